@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "raybundle/scene/problem.hpp"
+#include "raybundle/scene/result.hpp"
+
+namespace raybundle {
+
+/// The unknowns of the bundle.
+struct BundleState {
+  std::vector<Camera> cameras;          ///< aligned with problem.cameras
+  std::vector<Rigid3> camera_from_rig;  ///< aligned with problem.cameras; the first is the identity and stays
+  std::vector<BoardPose> poses;
+  std::vector<BoardShape> shapes;  ///< aligned with problem.targets
+
+  std::vector<int> pose_of_view;  ///< aligned with problem.views; -1: the view is not used
+  std::vector<std::vector<ObservationFate>> fates;  ///< aligned with problem.views and their observations
+};
+
+struct BundleOptions {
+  bool estimate_shape = false;     ///< bend and twist of flat targets
+  double robust_scale_sigma = 0.0; ///< Cauchy loss beyond this many sigmas of a corner; 0: plain least squares
+  int max_iterations = 100;
+  int threads = 1;                 ///< changes the time, never the bits
+};
+
+struct BundleSummary {
+  Termination termination = Termination::kFailed;
+  int iterations = 0;
+  double initial_cost = 0.0;  ///< half the (robustified) sum of squared whitened residuals
+  double final_cost = 0.0;
+  std::string message;
+};
+
+/// Marks every observation kUsed that the state's cameras project, kUnprojectable otherwise, kViewSetAside for unused
+/// views; observations already marked kOutlier stay so.
+void mark_projectable(const CalibrationProblem& problem, BundleState& state);
+
+/// Minimises the whitened reprojection error over everything that problem.rules leaves free, in place. Only
+/// observations marked kUsed take part.
+BundleSummary solve_bundle(const CalibrationProblem& problem, BundleState& state, const BundleOptions& options = {});
+
+/// Measured minus projected [px] of all observations of one view, NaN where the model does not project.
+std::vector<Eigen::Vector2d> view_residuals(const CalibrationProblem& problem, const BundleState& state, int view);
+
+/// camera_from_target of a used view: camera_from_rig * rig_from_target.
+Rigid3 camera_from_target(const CalibrationProblem& problem, const BundleState& state, int view);
+
+}  // namespace raybundle

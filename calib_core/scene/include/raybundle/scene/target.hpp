@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace raybundle {
+
+/// A point printed on a board.
+struct TargetPoint {
+  int id = 0;
+  Eigen::Vector3d x_in_target = Eigen::Vector3d::Zero();  ///< [m], on the ideal board
+};
+
+/// How a flat board is bent: at (x, y) in [-1, 1]² over the board its surface lies at
+/// z = bend_x (1 - x²) + bend_y (1 - y²) + twist x y. Sags and twist are heights [m]; all zero is a plane.
+struct BoardShape {
+  double bend_x_m = 0.0;
+  double bend_y_m = 0.0;
+  double twist_m = 0.0;
+};
+
+/// A relabelling under which the printed board looks the same, as ids[i] -> image of points[i].id; a board turned by
+/// 180° whose squares have the same colours is the usual one. Cameras may label such a board differently.
+struct TargetSymmetry {
+  std::vector<int> ids;  ///< as many as Target::points
+};
+
+/// A rigid board. `points` is sorted by id without repetition; z = 0 for flat boards.
+struct Target {
+  std::string name;
+  std::vector<TargetPoint> points;
+  std::vector<TargetSymmetry> symmetries;  ///< without the identity
+
+  /// The point with that id; nullptr when the board has none.
+  const TargetPoint* find(int id) const;
+
+  /// True when all points have z = 0, so that the board can have a BoardShape.
+  bool flat() const;
+};
+
+/// The part of a bent surface that does not depend on the shape: height = shape_basis · (bend_x, bend_y, twist).
+/// Zero for targets that are not flat.
+///
+/// @return  one 3-vector for each of target.points, same order
+std::vector<Eigen::Vector3d> shape_basis(const Target& target);
+
+/// Points on the bent surface, in the order of target.points [m].
+std::vector<Eigen::Vector3d> points_on_surface(const Target& target, const BoardShape& shape);
+
+}  // namespace raybundle

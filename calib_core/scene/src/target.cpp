@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/scene/target.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace raybundle {
+
+const TargetPoint* Target::find(int id) const {
+  if (id >= 0 && id < static_cast<int>(points.size()) && points[id].id == id) return &points[id];  // ids 0..n-1
+  const auto found = std::ranges::lower_bound(points, id, {}, &TargetPoint::id);
+  return found != points.end() && found->id == id ? &*found : nullptr;
+}
+
+bool Target::flat() const {
+  return std::ranges::all_of(points, [](const TargetPoint& point) { return point.x_in_target.z() == 0.0; });
+}
+
+std::vector<Eigen::Vector3d> shape_basis(const Target& target) {
+  std::vector<Eigen::Vector3d> basis(target.points.size(), Eigen::Vector3d::Zero());
+  if (target.points.empty() || !target.flat()) return basis;
+  Eigen::Array2d low = target.points.front().x_in_target.head<2>();
+  Eigen::Array2d high = low;
+  for (const TargetPoint& point : target.points) {
+    low = low.min(point.x_in_target.head<2>().array());
+    high = high.max(point.x_in_target.head<2>().array());
+  }
+  const Eigen::Array2d centre = 0.5 * (low + high);
+  const Eigen::Array2d half = (0.5 * (high - low)).max(1e-12);  // a single row of points has no extent across
+  for (std::size_t i = 0; i < basis.size(); ++i) {
+    const Eigen::Array2d p = (target.points[i].x_in_target.head<2>().array() - centre) / half;
+    basis[i] << 1 - p.x() * p.x(), 1 - p.y() * p.y(), p.x() * p.y();
+  }
+  return basis;
+}
+
+std::vector<Eigen::Vector3d> points_on_surface(const Target& target, const BoardShape& shape) {
+  const std::vector<Eigen::Vector3d> basis = shape_basis(target);
+  const Eigen::Vector3d sags(shape.bend_x_m, shape.bend_y_m, shape.twist_m);
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(basis.size());
+  for (std::size_t i = 0; i < basis.size(); ++i) {
+    points.push_back(target.points[i].x_in_target + Eigen::Vector3d(0, 0, basis[i].dot(sags)));
+  }
+  return points;
+}
+
+}  // namespace raybundle

@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "raybundle/scene/target.hpp"
+
+namespace raybundle {
+
+/// Chessboard; columns and rows count inner corners. id = row * columns + column, x = column * square, y = row * square.
+struct Chessboard {
+  int columns = 0;
+  int rows = 0;
+  double square_m = 0.0;
+};
+
+/// ChArUco board; columns and rows count squares; points are the inner corners, id and axes as on a chessboard.
+struct Charuco {
+  int columns = 0;
+  int rows = 0;
+  double square_m = 0.0;
+  double marker_m = 0.0;
+  std::string dictionary;  ///< DICT_4X4_1000, ...
+  bool legacy = false;     ///< the layout before OpenCV 4.6: matters for boards with an even number of rows
+  bool inverted = false;   ///< white on black
+};
+
+/// Grid of AprilTags as Kalibr's: tag ids row by row from the bottom-left, x right, y up, origin at the outer corner of
+/// tag 0; point id = 4 * tag + corner, corners anticlockwise from the tag's bottom-left.
+struct AprilGrid {
+  int columns = 0;
+  int rows = 0;
+  double tag_m = 0.0;            ///< outer edge of the black border
+  double spacing = 0.0;          ///< gap between tags over tag_m
+  std::string family = "36h11";  ///< 36h11, 25h9, 16h5
+  int border_bits = 2;           ///< Kalibr: 2; AprilTag itself: 1
+};
+
+/// Grid of circles; id = row * columns + column.
+struct Circles {
+  int columns = 0;
+  int rows = 0;
+  double spacing_m = 0.0;
+};
+
+/// OpenCV's asymmetric grid: `columns` circles in each of `rows` rows, odd rows shifted by half a step;
+/// x = (2 * column + row % 2) * spacing, y = row * spacing.
+struct AsymmetricCircles {
+  int columns = 0;
+  int rows = 0;
+  double spacing_m = 0.0;
+};
+
+/// Any rigid set of points, for observations that others made; it cannot be detected or drawn.
+struct PointSet {
+  std::string file;
+  std::vector<TargetPoint> points;
+};
+
+/// The one list of board kinds.
+using Board = std::variant<Chessboard, Charuco, AprilGrid, Circles, AsymmetricCircles, PointSet>;
+
+/// The board's points, with the symmetries under which its print looks the same.
+Target target_of(const Board& board);
+
+}  // namespace raybundle
