@@ -10,7 +10,8 @@
 
 namespace raybundle {
 
-/// Chessboard; columns and rows count inner corners. id = row * columns + column, x = column * square, y = row * square.
+/// Chessboard; columns and rows count inner corners. id = row * columns + column, x = column * square, y = row *
+/// square.
 struct Chessboard {
   int columns = 0;
   int rows = 0;

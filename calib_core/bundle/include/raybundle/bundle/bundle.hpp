@@ -16,15 +16,15 @@ struct BundleState {
   std::vector<BoardPose> poses;
   std::vector<BoardShape> shapes;  ///< aligned with problem.targets
 
-  std::vector<int> pose_of_view;  ///< aligned with problem.views; -1: the view is not used
+  std::vector<int> pose_of_view;                    ///< aligned with problem.views; -1: the view is not used
   std::vector<std::vector<ObservationFate>> fates;  ///< aligned with problem.views and their observations
 };
 
 struct BundleOptions {
-  bool estimate_shape = false;     ///< bend and twist of flat targets
-  double robust_scale_sigma = 0.0; ///< Cauchy loss beyond this many sigmas of a corner; 0: plain least squares
+  bool estimate_shape = false;      ///< bend and twist of flat targets
+  double robust_scale_sigma = 0.0;  ///< Cauchy loss beyond this many sigmas of a corner; 0: plain least squares
   int max_iterations = 100;
-  int threads = 1;                 ///< changes the time, never the bits
+  int threads = 1;  ///< changes the time, never the bits
 };
 
 struct BundleSummary {

@@ -12,9 +12,9 @@ namespace raybundle {
 
 /// Options of calibrate(); `for_each_option` is the one declaration that TOML, command line and docs walk.
 struct CalibrateOptions {
-  bool estimate_shape = true;      ///< bend and twist of the boards, where the data can carry it
-  double robust_scale_sigma = 3.0; ///< Cauchy loss of the first solve, in robust sigmas of the residuals
-  double outlier_sigma = 5.0;      ///< corners beyond this many robust sigmas are removed, by id
+  bool estimate_shape = true;       ///< bend and twist of the boards, where the data can carry it
+  double robust_scale_sigma = 3.0;  ///< Cauchy loss of the first solve, in robust sigmas of the residuals
+  double outlier_sigma = 5.0;       ///< corners beyond this many robust sigmas are removed, by id
   int max_iterations = 200;
   int threads = 2;
 

@@ -38,13 +38,14 @@ std::span<const ForeignName> foreign_names(ModelId model);
 /// Calls function.operator()<Model>() for the model with that id: the choice is made once, outside of the loops.
 template <typename Function>
 decltype(auto) with_model(ModelId model, Function&& function) {
-  return [&]<std::size_t... index>(std::index_sequence<index...>) -> decltype(auto) {
+  return [&]<std::size_t... index>(std::index_sequence<index...>)->decltype(auto) {
     using Result = decltype(function.template operator()<Models::At<0>>());
     using Call = Result (*)(Function&);
     static constexpr Call calls[] = {
         +[](Function& f) -> Result { return f.template operator()<Models::At<index>>(); }...};
     return calls[model.index](function);
-  }(std::make_index_sequence<Models::kSize>());
+  }
+  (std::make_index_sequence<Models::kSize>());
 }
 
 /// Size of an image [px].

@@ -12,8 +12,9 @@ namespace raybundle {
 
 /// What a camera model is called in another program's files.
 struct ForeignName {
-  std::string_view format;  ///< opencv, opencv_fisheye, opencv_omnidir, mrcal, kalibr, ros, basalt, colmap, camodocal, ...
-  std::string_view name;    ///< the name in that format
+  std::string_view
+      format;  ///< opencv, opencv_fisheye, opencv_omnidir, mrcal, kalibr, ros, basalt, colmap, camodocal, ...
+  std::string_view name;  ///< the name in that format
 };
 
 /// A realistic camera of a model, for the law tests: shape parameters and the half field of view they are good for.
@@ -28,16 +29,17 @@ struct ExampleShape {
 ///
 ///   static constexpr std::string_view kName;          file, type and this name agree: kannala_brandt, KannalaBrandt
 ///   static constexpr std::array<std::string_view, n> kShapeNames;  parameters after fx fy cx cy, in file order
-///   static constexpr std::array<double, n> kStartShape;   a neutral start: the shape of an undistorted lens of its kind
-///   static constexpr std::array kExamples{ExampleShape<n>{...}, ...};
-///   static constexpr std::array kForeignNames{ForeignName{...}, ...};
+///   static constexpr std::array<double, n> kStartShape;   a neutral start: the shape of an undistorted lens of its
+///   kind static constexpr std::array kExamples{ExampleShape<n>{...}, ...}; static constexpr std::array
+///   kForeignNames{ForeignName{...}, ...};
 ///
 ///   template <typename T>                              any scalar: double, ceres::Jet, ...
 ///   static bool plane_from_ray(const T* shape, const T* ray, T* plane);
 ///     ray: any nonzero 3-vector, its length does not matter; false where the model does not project the ray
 ///
 ///   static bool plane_from_ray(const double* shape, const double* ray, double* plane,
-///                              double* plane_wrt_ray /* 2×3 row-major */, double* plane_wrt_shape /* 2×n row-major */);
+///                              double* plane_wrt_ray /* 2×3 row-major */, double* plane_wrt_shape /* 2×n row-major
+///                              */);
 ///     the same with analytic Jacobians
 ///
 ///   static bool ray_from_plane(const double* shape, const double* plane, double* ray);
@@ -51,7 +53,7 @@ concept CameraModel = requires(const double* shape, const double* in, double* ou
   { M::kShapeNames.size() } -> std::convertible_to<std::size_t>;
   requires M::kShapeNames.size() == M::kStartShape.size();
   { M::kExamples.size() } -> std::convertible_to<std::size_t>;
-  { std::span<const ForeignName>(M::kForeignNames) };
+  {std::span<const ForeignName>(M::kForeignNames)};
   { M::template plane_from_ray<double>(shape, in, out) } -> std::same_as<bool>;
   { M::plane_from_ray(shape, in, out, out, out) } -> std::same_as<bool>;
   { M::ray_from_plane(shape, in, out) } -> std::same_as<bool>;

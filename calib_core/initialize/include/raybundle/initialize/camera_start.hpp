@@ -13,9 +13,10 @@ namespace raybundle {
 
 /// Start values of one camera: good enough for the bundle to converge from.
 struct CameraStart {
-  Camera camera;                                          ///< of the problem's model
-  std::vector<std::optional<Rigid3>> camera_from_target;  ///< aligned with problem.views; empty for other cameras' views
-  std::vector<std::string> reasons;                       ///< aligned with problem.views; why a view of this camera has no pose
+  Camera camera;  ///< of the problem's model
+  std::vector<std::optional<Rigid3>>
+      camera_from_target;            ///< aligned with problem.views; empty for other cameras' views
+  std::vector<std::string> reasons;  ///< aligned with problem.views; why a view of this camera has no pose
 };
 
 /// Intrinsics and board poses of a camera from its views alone: no focal guess, any field of view up to beyond 200°,

@@ -68,7 +68,7 @@ struct CalibrationResult {
   std::vector<ViewResult> views;       ///< aligned with CalibrationProblem::views
   std::vector<CameraSummary> cameras;  ///< aligned with CalibrationProblem::cameras
   std::vector<SetAside> set_aside;
-  double rms_px = 0.0;  ///< over all cameras
+  double rms_px = 0.0;           ///< over all cameras
   double variance_factor = 1.0;  ///< chi² per degree of freedom; the covariance has been multiplied by it
   Termination termination = Termination::kFailed;
   int iterations = 0;

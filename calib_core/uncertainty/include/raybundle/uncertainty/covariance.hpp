@@ -8,10 +8,11 @@ namespace raybundle {
 
 /// Covariance of the calibration and what weakens it.
 struct CovarianceResult {
-  Covariance covariance;               ///< multiplied by the variance factor
-  double variance_factor = 1.0;        ///< chi² per degree of freedom
-  double condition_number = 1.0;       ///< of the information, columns scaled to unit diagonal
-  std::vector<std::string> weak_parameters;  ///< that make up the weakest direction, strongest first; empty when well conditioned
+  Covariance covariance;          ///< multiplied by the variance factor
+  double variance_factor = 1.0;   ///< chi² per degree of freedom
+  double condition_number = 1.0;  ///< of the information, columns scaled to unit diagonal
+  std::vector<std::string>
+      weak_parameters;  ///< that make up the weakest direction, strongest first; empty when well conditioned
 };
 
 /// Inverse of the reduced information, by the eigenvalues of its column-scaled form.

@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/scene/problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <tuple>
+
+#include "raybundle/geometry/error.hpp"
+
+namespace raybundle {
+namespace {
+
+[[noreturn]] void refuse(const std::string& message, const std::string& where = {}) {
+  throw Error(ErrorKind::kBadInput, message, where);
+}
+
+bool in_range(int index, std::size_t size) { return index >= 0 && index < static_cast<int>(size); }
+
+void check_camera(const ProblemCamera& camera) {
+  const std::string where = "camera " + camera.name;
+  if (camera.name.empty()) refuse("a camera has no name; give each camera one");
+  if (!in_range(camera.model.index, Models::kSize)) refuse("unknown camera model", where);
+  if (camera.size.width < 2 || camera.size.height < 2) refuse("the image size is not set", where);
+  if (!camera.parameters) return;
+  const std::size_t count = parameter_names(camera.model).size();
+  if (camera.parameters->size() != static_cast<Eigen::Index>(count)) {
+    refuse("has " + std::to_string(camera.parameters->size()) + " start parameters, " +
+               std::string(model_name(camera.model)) + " needs " + std::to_string(count),
+           where);
+  }
+  if (!camera.parameters->allFinite()) refuse("a start parameter is not a finite number", where);
+}
+
+void check_target(const Target& target) {
+  const std::string where = "target " + target.name;
+  if (target.points.size() < 4) refuse("a target needs at least 4 points", where);
+  for (std::size_t i = 0; i < target.points.size(); ++i) {
+    const TargetPoint& point = target.points[i];
+    if (!point.x_in_target.allFinite()) refuse("point " + std::to_string(point.id) + " is not finite", where);
+    if (i > 0 && target.points[i - 1].id >= point.id) {
+      refuse("points must be sorted by id without repetition; see point " + std::to_string(point.id), where);
+    }
+  }
+}
+
+// Corners may lie a little outside when they were extrapolated, but not by a whole image.
+void check_observation(const Observation& observation, const Target& target, ImageSize size, const std::string& where) {
+  const std::string point = "point " + std::to_string(observation.point_id);
+  if (target.find(observation.point_id) == nullptr) {
+    refuse(point + " is not on the board (it has " + std::to_string(target.points.size()) + " points)", where);
+  }
+  if (!observation.pixel.allFinite()) refuse(point + " has a pixel that is not a finite number", where);
+  if (!(observation.sigma_px > 0) || !std::isfinite(observation.sigma_px)) {
+    refuse(point + " has a sigma that is not positive", where);
+  }
+  const double x = observation.pixel.x(), y = observation.pixel.y();
+  if (x < -0.5 * size.width || x > 1.5 * size.width || y < -0.5 * size.height || y > 1.5 * size.height) {
+    refuse(point + " lies far outside of the " + std::to_string(size.width) + "x" + std::to_string(size.height) +
+               " image; are the image size and the order of columns right?",
+           where);
+  }
+}
+
+}  // namespace
+
+std::string view_name(const CalibrationProblem& problem, const TargetView& view) {
+  std::string name = "camera " + problem.cameras[view.camera].name + ", frame " + problem.frames[view.frame];
+  if (problem.targets.size() > 1) name += ", board " + problem.targets[view.target].name;
+  return name;
+}
+
+void check(const CalibrationProblem& problem) {
+  if (problem.cameras.empty()) refuse("the problem has no camera");
+  if (problem.targets.empty()) refuse("the problem has no target");
+  std::set<std::string> names;
+  for (const ProblemCamera& camera : problem.cameras) {
+    check_camera(camera);
+    if (!names.insert(camera.name).second) refuse("two cameras are called '" + camera.name + "'; rename one");
+  }
+  std::ranges::for_each(problem.targets, check_target);
+  std::set<std::tuple<int, int, int>> seen;
+  for (std::size_t i = 0; i < problem.views.size(); ++i) {
+    const TargetView& view = problem.views[i];
+    if (!in_range(view.camera, problem.cameras.size()) || !in_range(view.frame, problem.frames.size()) ||
+        !in_range(view.target, problem.targets.size())) {
+      refuse("view " + std::to_string(i) + " names a camera, frame or target that does not exist");
+    }
+    const std::string where = view_name(problem, view);
+    if (!seen.insert({view.camera, view.frame, view.target}).second) refuse("the view is given twice", where);
+    std::set<int> ids;
+    for (const Observation& observation : view.observations) {
+      check_observation(observation, problem.targets[view.target], problem.cameras[view.camera].size, where);
+      if (!ids.insert(observation.point_id).second) {
+        refuse("point " + std::to_string(observation.point_id) + " is observed twice", where);
+      }
+    }
+  }
+  for (const ParameterRule& rule : problem.rules) {
+    if (rule.kind == ParameterRule::Kind::kPrior && !(rule.sigma > 0)) {
+      refuse("the prior on '" + rule.pattern + "' needs a positive sigma");
+    }
+  }
+}
+
+}  // namespace raybundle
