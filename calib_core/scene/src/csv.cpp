@@ -78,7 +78,7 @@ std::optional<std::vector<std::size_t>> places_from_header(const CsvTable& table
     places.push_back(static_cast<std::size_t>(found - row.fields.begin()));
   }
   for (const std::string& field : row.fields) {
-    if (!known(field)) fail_at(table, row, "unknown column " + quoted(field) + " in the header; " + expected);
+    if (!known(field)) fail_at(table, row, "unknown column " + in_quotes(field) + " in the header; " + expected);
     if (std::ranges::count(row.fields, field) > 1) {
       fail_at(table, row, "column " + field + " stands twice in the header; leave one out");
     }
@@ -98,19 +98,17 @@ CsvTable csv_from_text(std::string_view text, const std::string& file) {
     if (rest.empty() || rest.starts_with('#')) continue;
 
     CsvRow row{line, {}};
-    bool more = true;
-    while (more) {
-      more = false;
-      const bool ends_in_comma = rest.ends_with(',');
+    bool ends_in_comma = false;
+    do {
+      ends_in_comma = rest.ends_with(',');
       std::optional<std::string> field = take_field(rest);
       if (!field) fail_at(table, row, "a double quote is opened but not closed; close it or leave it out");
       row.fields.push_back(std::move(*field));
       if (row.fields.size() > kMaxFields) {
         fail_at(table, row, "more than 64 fields in one line; is this a comma-separated table?");
       }
-      more = !rest.empty();
-      if (!more && ends_in_comma) row.fields.emplace_back();
-    }
+    } while (!rest.empty());
+    if (ends_in_comma) row.fields.emplace_back();
     table.rows.push_back(std::move(row));
   }
   return table;
@@ -154,7 +152,7 @@ double number_in(const CsvTable& table, const CsvRow& row, std::size_t column, s
   const auto [end, error] = std::from_chars(first, last, value);
   if (error != std::errc() || end != last || !std::isfinite(value)) {
     fail_at(table, row,
-            std::string(name) + " is " + quoted(field) + ", which is not a finite number; correct the field");
+            std::string(name) + " is " + in_quotes(field) + ", which is not a finite number; correct the field");
   }
   return value;
 }
@@ -165,7 +163,7 @@ int whole_number_in(const CsvTable& table, const CsvRow& row, std::size_t column
   const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
   if (error != std::errc() || end != field.data() + field.size()) {
     fail_at(table, row,
-            std::string(name) + " is " + quoted(field) + ", which is not a whole number; correct the field");
+            std::string(name) + " is " + in_quotes(field) + ", which is not a whole number; correct the field");
   }
   return value;
 }
@@ -200,7 +198,7 @@ std::string text_of_file(const std::filesystem::path& path) {
   return text;
 }
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   constexpr std::size_t kLimit = 60;
   std::string shown = "'";
   for (const char c : text.substr(0, kLimit)) {

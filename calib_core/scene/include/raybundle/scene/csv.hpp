@@ -62,6 +62,6 @@ int whole_number_in(const CsvTable& table, const CsvRow& row, std::size_t column
 std::string text_of_file(const std::filesystem::path& path);
 
 /// Foreign text for a message: in single quotes, without control characters, at most about 60 bytes.
-std::string quoted(std::string_view text);
+std::string in_quotes(std::string_view text);
 
 }  // namespace raybundle
