@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace raybundle {
+
+/// Names of the frames of one camera's images: the digits in which the file names differ, joined by -, without leading
+/// zeros: left03.jpg and left12.jpg are frames 3 and 12. Images whose names hold no such digits are frames by their
+/// file name without the extension.
+///
+/// @param paths  images of one camera; a single image is taken as differing in its last digits
+/// @return       aligned with paths
+std::vector<std::string> frame_names(const std::vector<std::string>& paths);
+
+/// Whether a text matches a pattern with * (any characters) and ? (one character).
+bool matches_pattern(std::string_view text, std::string_view pattern);
+
+}  // namespace raybundle

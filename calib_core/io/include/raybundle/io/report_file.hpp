@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "raybundle/io/provenance.hpp"
+#include "raybundle/scene/problem.hpp"
+#include "raybundle/scene/result.hpp"
+
+namespace raybundle {
+
+/// An image that gave no view.
+struct UnusedImage {
+  std::string camera;
+  std::string frame;
+  std::string image;   ///< path
+  std::string reason;  ///< one clause: no board found, cannot be decoded, ...
+};
+
+/// What a report holds beside problem and result.
+struct ReportExtra {
+  std::vector<UnusedImage> unused_images;
+  Provenance provenance;
+};
+
+/// The text of report.json: everything that a report needs. Format: docs/formats/report.md,
+/// docs/schemas/report.schema.json. Numbers that do not exist (the residual of a point that does not project) are null.
+std::string text_from_report(const CalibrationProblem& problem, const CalibrationResult& result,
+                             const ReportExtra& extra = {});
+
+/// Writes report.json, whole or not at all.
+void write_report(const std::filesystem::path& path, const CalibrationProblem& problem, const CalibrationResult& result,
+                  const ReportExtra& extra = {});
+
+}  // namespace raybundle
