@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <sstream>
 #include <string>
 
 #include "raybundle/geometry/error.hpp"
@@ -66,10 +67,9 @@ class TemporaryFile {
 // Unique among the threads of this process and the processes of this machine.
 fs::path temporary_name(const fs::path& path) {
   static std::atomic<unsigned> counter{0};
-  fs::path name = path;
-  name.replace_filename("." + path.filename().string() + "." + std::to_string(::getpid()) + "." +
-                        std::to_string(counter++) + ".tmp");
-  return name;
+  std::ostringstream name;
+  name << '.' << path.filename().string() << '.' << ::getpid() << '.' << counter++ << ".tmp";
+  return path.parent_path() / name.str();
 }
 
 }  // namespace

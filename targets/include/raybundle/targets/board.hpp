@@ -29,8 +29,8 @@ struct Charuco {
   bool inverted = false;   ///< white on black
 };
 
-/// Grid of AprilTags as Kalibr's: tag ids row by row from the bottom-left, x right, y up, origin at the outer corner of
-/// tag 0; point id = 4 * tag + corner, corners anticlockwise from the tag's bottom-left.
+/// Grid of AprilTags as Kalibr's: tags row by row from the bottom-left, x right, y up, origin at the outer corner of
+/// tag 0; point id = 4 * tag + corner, corners anticlockwise from the tag's bottom-left. Codes start at first_tag.
 struct AprilGrid {
   int columns = 0;
   int rows = 0;
@@ -38,6 +38,7 @@ struct AprilGrid {
   double spacing = 0.0;          ///< gap between tags over tag_m
   std::string family = "36h11";  ///< 36h11, 25h9, 16h5
   int border_bits = 2;           ///< Kalibr: 2; AprilTag itself: 1
+  int first_tag = 0;             ///< code of the bottom-left tag, so that several boards can be told apart
 };
 
 /// Grid of circles; id = row * columns + column.
@@ -48,11 +49,12 @@ struct Circles {
 };
 
 /// OpenCV's asymmetric grid: `columns` circles in each of `rows` rows, odd rows shifted by half a step;
-/// x = (2 * column + row % 2) * spacing, y = row * spacing.
+/// x = (2 * column + row % 2) * spacing, y = row * row_step.
 struct AsymmetricCircles {
   int columns = 0;
   int rows = 0;
   double spacing_m = 0.0;
+  double row_step_m = 0.0;  ///< 0: as spacing_m; a hexagonal grid has sqrt(3) * spacing_m
 };
 
 /// Any rigid set of points, for observations that others made; it cannot be detected or drawn.
@@ -64,7 +66,11 @@ struct PointSet {
 /// The one list of board kinds.
 using Board = std::variant<Chessboard, Charuco, AprilGrid, Circles, AsymmetricCircles, PointSet>;
 
-/// The board's points, with the symmetries under which its print looks the same.
+/// The board's points, with the symmetries under which its print looks the same. Calls check().
 Target target_of(const Board& board);
+
+/// Throws Error(kBadInput) naming the field that no board can have: counts below the smallest grid, sizes that are not
+/// positive, a marker larger than its square, an unknown dictionary or family, more tags than the family has.
+void check(const Board& board);
 
 }  // namespace raybundle
