@@ -67,9 +67,10 @@ void check_board(const AprilGrid& board) {
     refuse(fmt::format("border_bits must be 2 (Kalibr) or 1 (AprilTag), not {}", board.border_bits));
   }
   const int tags = tag_family_named(board.family)->bytesList.rows;
-  if (board.columns * board.rows > tags) {
-    refuse(fmt::format("a {}x{} grid needs {} tags, but family {} has {}", board.columns, board.rows,
-                       board.columns * board.rows, board.family, tags));
+  if (board.first_tag < 0 || board.first_tag + board.columns * board.rows > tags) {
+    refuse(fmt::format("a {}x{} grid whose first_tag is {} needs tags up to {}, but family {} has {}", board.columns,
+                       board.rows, board.first_tag, board.first_tag + board.columns * board.rows - 1, board.family,
+                       tags));
   }
 }
 
@@ -118,11 +119,12 @@ std::vector<TargetPoint> points_of(const Charuco& board) {
 std::vector<TargetPoint> points_of(const Circles& board) { return grid(board.columns, board.rows, board.spacing_m); }
 
 std::vector<TargetPoint> points_of(const AsymmetricCircles& board) {
+  const double row_step_m = board.row_step_m > 0.0 ? board.row_step_m : board.spacing_m;
   std::vector<TargetPoint> points;
   for (int row = 0; row < board.rows; ++row) {
     for (int column = 0; column < board.columns; ++column) {
       const double x = (2 * column + row % 2) * board.spacing_m;
-      points.push_back({row * board.columns + column, {x, row * board.spacing_m, 0.0}});
+      points.push_back({row * board.columns + column, {x, row * row_step_m, 0.0}});
     }
   }
   return points;
