@@ -1,0 +1,165 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "robust_solve.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "raybundle/initialize/camera_start.hpp"
+
+namespace raybundle {
+namespace {
+
+constexpr double kRayleighMedian = 1.1774100225154747;  // sqrt(2 ln 2): median length of a standard normal 2-vector
+constexpr double kSmallestDistancePx = 1e-3;            // exact data: rounding is not to be mistaken for outliers
+constexpr int kMaxRounds = 8;
+constexpr std::size_t kFewestCorners = 4;  // of a view: fewer do not determine a pose
+
+double median(std::vector<double>& values) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Distances of a view's measured corners from their projections, in sigmas; infinite where nothing projects.
+std::vector<double> whitened_distances(const CalibrationProblem& problem, const BundleState& state, int view) {
+  const std::vector<Eigen::Vector2d> residuals = view_residuals(problem, state, view);
+  std::vector<double> distances;
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    const double distance = residuals[i].norm() / problem.views[view].observations[i].sigma_px;
+    distances.push_back(std::isfinite(distance) ? distance : std::numeric_limits<double>::infinity());
+  }
+  return distances;
+}
+
+BundleOptions bundle_options(const CalibrateOptions& options) {
+  BundleOptions bundle;
+  bundle.max_iterations = options.max_iterations;
+  bundle.threads = options.threads;
+  return bundle;
+}
+
+// Pose of the view's board in its frame as other views in use see it; -1 when there is none.
+int shared_pose(const CalibrationProblem& problem, const BundleState& state, const TargetView& view) {
+  for (std::size_t v = 0; v < problem.views.size(); ++v) {
+    const bool same_board = problem.views[v].frame == view.frame && problem.views[v].target == view.target;
+    if (same_board && state.pose_of_view[v] >= 0) return state.pose_of_view[v];
+  }
+  return -1;
+}
+
+// Marks one view's corners; sets the view aside when most of them are outliers.
+void mark_view(const CalibrationProblem& problem, BundleState& state, int view, double limit, std::string& reason) {
+  const std::vector<double> distances = whitened_distances(problem, state, view);
+  std::vector<ObservationFate>& fates = state.fates[view];
+  std::size_t used = 0;
+  for (std::size_t i = 0; i < distances.size(); ++i) {
+    const double sigma = problem.views[view].observations[i].sigma_px;
+    const bool fits = distances[i] <= limit || distances[i] * sigma <= kSmallestDistancePx;
+    fates[i] = fits ? ObservationFate::kUsed
+                    : (std::isinf(distances[i]) ? ObservationFate::kUnprojectable : ObservationFate::kOutlier);
+    used += fits;
+  }
+  if (used >= kFewestCorners && 2 * used >= distances.size()) return;
+  std::vector<double> sorted = distances;
+  reason = fmt::format("only {} of {} corners lie within {:.1f} sigma of their projections; median {:.1f} sigma", used,
+                       distances.size(), limit, median(sorted));
+  state.pose_of_view[view] = -1;
+  std::ranges::fill(fates, ObservationFate::kViewSetAside);
+}
+
+}  // namespace
+
+std::vector<double> robust_sigmas(const CalibrationProblem& problem, const BundleState& state) {
+  std::vector<std::vector<double>> distances(problem.cameras.size());
+  for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
+    if (state.pose_of_view[v] < 0) continue;
+    std::vector<double>& of_camera = distances[problem.views[v].camera];
+    const std::vector<double> of_view = whitened_distances(problem, state, v);
+    of_camera.insert(of_camera.end(), of_view.begin(), of_view.end());
+  }
+  std::vector<double> sigmas;
+  for (std::vector<double>& of_camera : distances) sigmas.push_back(median(of_camera) / kRayleighMedian);
+  return sigmas;
+}
+
+std::string outlier_rule(const CalibrateOptions& options) {
+  return fmt::format(
+      "corners farther from their projection than {:g} robust sigmas of their camera (median distance / 1.1774, in "
+      "units of each corner's own sigma) are left out; a view with more than half of its corners left out, or fewer "
+      "than {} in use, is set aside",
+      options.outlier_sigma, kFewestCorners);
+}
+
+bool mark_outliers(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
+                   std::vector<std::string>& reasons) {
+  const std::vector<double> sigmas = robust_sigmas(problem, state);
+  const std::vector<std::vector<ObservationFate>> before = state.fates;
+  for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
+    if (state.pose_of_view[v] < 0) continue;
+    mark_view(problem, state, v, options.outlier_sigma * sigmas[problem.views[v].camera], reasons[v]);
+  }
+  return state.fates != before;
+}
+
+BundleSummary solve_robustly(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options) {
+  BundleOptions bundle = bundle_options(options);
+  BundleSummary summary;
+  double previous = std::numeric_limits<double>::infinity();
+  for (int round = 0; round < kMaxRounds; ++round) {
+    double sigma = 0.0;
+    for (double of_camera : robust_sigmas(problem, state)) {
+      if (std::isfinite(of_camera)) sigma = std::max(sigma, of_camera);
+    }
+    if (!(sigma < 0.9 * previous)) break;  // the scale has settled
+    previous = sigma;
+    bundle.robust_scale_sigma = options.robust_scale_sigma * std::max(sigma, kSmallestDistancePx);
+    summary = solve_bundle(problem, state, bundle);
+    if (summary.termination == Termination::kFailed) break;
+    mark_projectable(problem, state);
+  }
+  return summary;
+}
+
+void give_second_chance(const CalibrationProblem& problem, BundleState& state, std::vector<std::string>& reasons) {
+  for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
+    const TargetView& view = problem.views[v];
+    if (state.pose_of_view[v] >= 0 || view.observations.size() < kFewestCorners) continue;
+    const Rigid3& camera_from_rig = state.camera_from_rig[view.camera];
+    std::string reason;
+    const std::optional<Rigid3> own = initialize_view(problem, view, state.cameras[view.camera], reason);
+    if (!own) {
+      reasons[v] = reason;
+      continue;
+    }
+    // A board that the other cameras saw in the frame stays one board; whether the view fits it is for the outlier
+    // rule.
+    state.pose_of_view[v] = shared_pose(problem, state, view);
+    if (state.pose_of_view[v] < 0) {
+      state.pose_of_view[v] = static_cast<int>(state.poses.size());
+      state.poses.push_back({view.frame, view.target, camera_from_rig.inverse() * *own});
+    }
+  }
+  mark_projectable(problem, state);
+}
+
+BundleSummary solve_without_outliers(const CalibrationProblem& problem, BundleState& state,
+                                     const CalibrateOptions& options, bool estimate_shape,
+                                     std::vector<std::string>& reasons) {
+  BundleOptions bundle = bundle_options(options);
+  bundle.estimate_shape = estimate_shape;
+  BundleSummary summary;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    const bool changed = mark_outliers(problem, state, options, reasons);
+    if (round > 0 && !changed) break;
+    summary = solve_bundle(problem, state, bundle);
+    if (summary.termination == Termination::kFailed) break;
+  }
+  return summary;
+}
+
+}  // namespace raybundle

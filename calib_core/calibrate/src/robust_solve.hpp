@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "raybundle/bundle/bundle.hpp"
+#include "raybundle/calibrate/calibrate.hpp"
+
+namespace raybundle {
+
+/// Robust standard deviation of each camera's whitened residuals per coordinate: the median distance over that of a
+/// standard normal in two dimensions (1.1774). NaN for a camera without used views.
+std::vector<double> robust_sigmas(const CalibrationProblem& problem, const BundleState& state);
+
+/// The outlier rule in words, as the report prints it.
+std::string outlier_rule(const CalibrateOptions& options);
+
+/// Marks corners beyond options.outlier_sigma robust sigmas of their camera, from the residuals as they are, and sets
+/// aside views of which more than half the corners are such; corners that fit again come back.
+///
+/// @param reasons  aligned with problem.views; set for the views that are set aside here
+/// @return         whether any mark changed
+bool mark_outliers(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
+                   std::vector<std::string>& reasons);
+
+/// Minimises the Cauchy loss, its scale tightened with the residuals, so that wrong corners and views have no say.
+BundleSummary solve_robustly(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options);
+
+/// Gives views that were set aside a pose again if they fit the cameras as they are now: the pose of the board that
+/// other cameras saw in the frame, or one of their own.
+void give_second_chance(const CalibrationProblem& problem, BundleState& state, std::vector<std::string>& reasons);
+
+/// Plain least squares without the outliers, until solve and outlier rule agree.
+BundleSummary solve_without_outliers(const CalibrationProblem& problem, BundleState& state,
+                                     const CalibrateOptions& options, bool estimate_shape,
+                                     std::vector<std::string>& reasons);
+
+}  // namespace raybundle

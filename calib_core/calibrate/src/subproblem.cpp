@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "subproblem.hpp"
+
+#include <fnmatch.h>
+
+#include <algorithm>
+#include <string>
+
+namespace raybundle {
+namespace {
+
+bool matches(const std::string& pattern, const std::string& name) {
+  return fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
+}
+
+// Whether a rule speaks of what the subproblem holds. Rules that match nothing at all are found by the joint solve.
+bool speaks_of(const ParameterRule& rule, const CalibrationProblem& problem) {
+  const std::size_t dot = rule.pattern.find('.');
+  const std::string head = rule.pattern.substr(0, dot);
+  const std::string tail = dot == std::string::npos ? "*" : rule.pattern.substr(dot + 1);
+  const bool extrinsic = tail.starts_with("camera_from_rig");
+  for (std::size_t c = extrinsic ? 1 : 0; c < problem.cameras.size(); ++c) {
+    if (matches(head, problem.cameras[c].name)) return true;
+  }
+  return !extrinsic && std::ranges::any_of(problem.targets, [&](const Target& t) { return matches(head, t.name); });
+}
+
+}  // namespace
+
+Subproblem select_cameras(const CalibrationProblem& whole, const std::vector<int>& cameras) {
+  Subproblem sub;
+  sub.problem.targets = whole.targets;
+  sub.problem.frames = whole.frames;
+  for (int c : cameras) sub.problem.cameras.push_back(whole.cameras[c]);
+  for (std::size_t v = 0; v < whole.views.size(); ++v) {
+    const auto found = std::ranges::find(cameras, whole.views[v].camera);
+    if (found == cameras.end()) continue;
+    sub.problem.views.push_back(whole.views[v]);
+    sub.problem.views.back().camera = static_cast<int>(found - cameras.begin());
+    sub.views.push_back(static_cast<int>(v));
+  }
+  std::ranges::copy_if(whole.rules, std::back_inserter(sub.problem.rules),
+                       [&](const ParameterRule& rule) { return speaks_of(rule, sub.problem); });
+  return sub;
+}
+
+CalibrationProblem relabelled(const CalibrationProblem& problem, const std::vector<int>& symmetry_of_view) {
+  CalibrationProblem right = problem;
+  for (std::size_t v = 0; v < right.views.size(); ++v) {
+    if (symmetry_of_view[v] < 0) continue;
+    const Target& target = right.targets[right.views[v].target];
+    const TargetSymmetry& symmetry = target.symmetries[symmetry_of_view[v]];
+    for (Observation& observation : right.views[v].observations) {
+      observation.point_id = symmetry.ids[target.find(observation.point_id) - target.points.data()];
+    }
+  }
+  return right;
+}
+
+BundleState state_from_start(const CalibrationProblem& single, const CameraStart& start) {
+  BundleState state;
+  state.cameras = {start.camera};
+  state.camera_from_rig = {Rigid3{}};
+  state.shapes.resize(single.targets.size());
+  for (std::size_t v = 0; v < single.views.size(); ++v) {
+    state.pose_of_view.push_back(start.camera_from_target[v] ? static_cast<int>(state.poses.size()) : -1);
+    if (!start.camera_from_target[v]) continue;
+    state.poses.push_back({single.views[v].frame, single.views[v].target, *start.camera_from_target[v]});
+  }
+  mark_projectable(single, state);
+  return state;
+}
+
+}  // namespace raybundle

@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "raybundle/bundle/bundle.hpp"
+#include "raybundle/initialize/camera_start.hpp"
+#include "raybundle/scene/problem.hpp"
+
+namespace raybundle {
+
+/// A problem with some of the cameras of another one.
+struct Subproblem {
+  CalibrationProblem problem;
+  std::vector<int> views;  ///< index in the whole problem of each view
+};
+
+/// The problem of some cameras alone, with the rules that speak of them.
+///
+/// @param cameras  indices in ascending order; the first one's frame becomes the rig frame
+Subproblem select_cameras(const CalibrationProblem& whole, const std::vector<int>& cameras);
+
+/// The same problem with the point ids of mislabelled views of symmetric boards put right.
+///
+/// @param symmetry_of_view  as in RigStart
+CalibrationProblem relabelled(const CalibrationProblem& problem, const std::vector<int>& symmetry_of_view);
+
+/// Start state of a problem with one camera.
+BundleState state_from_start(const CalibrationProblem& single, const CameraStart& start);
+
+}  // namespace raybundle
