@@ -14,7 +14,8 @@ namespace raybundle {
 ///
 /// Id 0 is never mirrored: x right, y down, looking at the printed side. Where columns + rows is odd, the square
 /// outside of corner 0 is black; otherwise the print looks the same when turned, and corner 0 is the one of the
-/// candidates that lies furthest to the top left of the image. Hand in the complement of the image of an inverted board.
+/// candidates that lies furthest to the top left of the image. Hand in the complement of the image of an inverted
+/// board.
 ///
 /// @param gray  8-bit or 16-bit single channel
 /// @return      sorted by id; empty when there is no board or its place on the lattice is ambiguous
