@@ -3,7 +3,9 @@
 #include "raybundle/camera/camera.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
+#include <cmath>
 
 namespace raybundle {
 
@@ -36,8 +38,14 @@ std::span<const ForeignName> foreign_names(ModelId model) {
 
 Camera start_camera(ModelId model, ImageSize size, double focal_px) {
   return with_model(model, [&]<CameraModel M>() {
+    constexpr double kAxis[] = {0.0, 0.0, 1.0};
+    double plane[2];
+    double plane_wrt_ray[6];
+    std::array<double, 2 * kParameterCount<M>> plane_wrt_shape;
+    M::plane_from_ray(M::kStartShape.data(), kAxis, plane, plane_wrt_ray, plane_wrt_shape.data());
+    const double f = focal_px / plane_wrt_ray[0];  // [0] is the profile's slope on the axis
     Camera camera{model, size, Eigen::VectorXd(kParameterCount<M>)};
-    camera.parameters.head<4>() << focal_px, focal_px, 0.5 * (size.width - 1), 0.5 * (size.height - 1);
+    camera.parameters.head<4>() << f, f, 0.5 * (size.width - 1), 0.5 * (size.height - 1);
     for (int k = 0; k < kShapeSize<M>; ++k) camera.parameters[4 + k] = M::kStartShape[k];
     return camera;
   });
@@ -46,6 +54,8 @@ Camera start_camera(ModelId model, ImageSize size, double focal_px) {
 std::optional<Eigen::Vector2d> pixel_from_ray(const Camera& camera, const Eigen::Vector3d& ray_in_camera) {
   return with_model(camera.model, [&]<CameraModel M>() -> std::optional<Eigen::Vector2d> {
     assert(camera.parameters.size() == kParameterCount<M>);
+    const double angle = std::atan2(ray_in_camera.head<2>().norm(), ray_in_camera.z());
+    if (!(angle <= M::max_angle_rad(camera.parameters.data() + 4))) return std::nullopt;
     Eigen::Vector2d pixel;
     if (!pixel_from_ray<M>(camera.parameters.data(), ray_in_camera.data(), pixel.data())) return std::nullopt;
     return pixel;
@@ -63,8 +73,7 @@ std::optional<Eigen::Vector3d> ray_from_pixel(const Camera& camera, const Eigen:
 }
 
 double max_angle_rad(const Camera& camera) {
-  return with_model(camera.model,
-                    [&]<CameraModel M>() { return M::max_angle_rad(camera.parameters.data() + 4); });
+  return with_model(camera.model, [&]<CameraModel M>() { return M::max_angle_rad(camera.parameters.data() + 4); });
 }
 
 }  // namespace raybundle

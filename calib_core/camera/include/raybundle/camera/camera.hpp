@@ -72,7 +72,8 @@ struct Camera {
 /// @param focal_px  focal length [px]: slope of radius against angle on the axis
 Camera start_camera(ModelId model, ImageSize size, double focal_px);
 
-/// Pixel where a ray lands; nothing where the model does not project it.
+/// Pixel where a ray lands; nothing where the model does not project it or folds back (beyond max_angle_rad), so that
+/// every answer is undone by ray_from_pixel.
 ///
 /// @param ray_in_camera  3-vector of any length except zero; beyond 90° off the axis is ordinary
 std::optional<Eigen::Vector2d> pixel_from_ray(const Camera& camera, const Eigen::Vector3d& ray_in_camera);
@@ -83,7 +84,8 @@ std::optional<Eigen::Vector3d> ray_from_pixel(const Camera& camera, const Eigen:
 /// Half-angle [rad] up to which the camera's radial profile is increasing, at most pi.
 double max_angle_rad(const Camera& camera);
 
-/// Pixel of a ray for a model known at compile time; `parameters` as in Camera.
+/// Pixel of a ray for a model known at compile time; `parameters` as in Camera. The hot loop of the bundle: rays beyond
+/// max_angle_rad are not refused.
 template <CameraModel M, typename T>
 bool pixel_from_ray(const T* parameters, const T* ray, T* pixel) {
   T plane[2];

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "raybundle/camera/camera_model.hpp"
+#include "raybundle/camera/radial.hpp"
 
 namespace raybundle {
 
@@ -79,18 +80,10 @@ struct KannalaBrandt {
 
   static bool ray_from_plane(const double* k, const double* plane, double* ray) {
     const double r = std::hypot(plane[0], plane[1]);
-    double low = 0.0;
-    double high = max_angle_rad(k);
-    if (r > radius(k, high)) return false;
-    double angle = std::min(r, high);
-    for (int i = 0; i < 60; ++i) {  // Newton, kept inside the bracket by bisection: the profile increases up to `high`
-      const double error = radius(k, angle) - r;
-      (error > 0 ? high : low) = angle;
-      double next = angle - error / radius_slope(k, angle);
-      if (!(next > low && next < high)) next = 0.5 * (low + high);
-      if (std::abs(next - angle) <= 1e-15) break;
-      angle = next;
-    }
+    const double high = max_angle_rad(k);
+    if (!(r <= radius(k, high))) return false;
+    const auto profile = [k](double angle) { return ValueAndSlope{radius(k, angle), radius_slope(k, angle)}; };
+    const double angle = solve_increasing(profile, r, 0.0, high, std::min(r, high));
     const double scale = r > 0 ? std::sin(angle) / r : 1.0;
     ray[0] = scale * plane[0];
     ray[1] = scale * plane[1];
@@ -99,21 +92,9 @@ struct KannalaBrandt {
   }
 
   static double max_angle_rad(const double* k) {
-    constexpr int kSteps = 256;
-    double low = 0.0;
-    for (int i = 1; i <= kSteps; ++i) {
-      double high = M_PI * i / kSteps;
-      if (radius_slope(k, high) > 0) {
-        low = high;
-        continue;
-      }
-      for (int j = 0; j < 60; ++j) {
-        const double middle = 0.5 * (low + high);
-        (radius_slope(k, middle) > 0 ? low : high) = middle;
-      }
-      return low;
-    }
-    return M_PI;
+    const std::array<double, 5> slope{1.0, 3 * k[0], 5 * k[1], 7 * k[2], 9 * k[3]};  // in powers of the angle squared
+    const double root = first_root(bernstein_to_limit(slope, M_PI * M_PI));
+    return root < 1.0 ? M_PI * std::sqrt(root) : M_PI;
   }
 
  private:
