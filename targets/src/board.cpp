@@ -82,6 +82,7 @@ void check_board(const Circles& board) {
 void check_board(const AsymmetricCircles& board) {
   check_grid("circles", board.columns, board.rows, 2);
   check_size("spacing_m", board.spacing_m);
+  if (board.row_step_m != 0.0) check_size("row_step_m", board.row_step_m);
 }
 
 void check_board(const PointSet& board) {

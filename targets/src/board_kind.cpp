@@ -67,7 +67,8 @@ BoardKind aprilgrid() {
            field(&AprilGrid::spacing, "spacing", kRatio, kRequired, "gap between tags over the tag's side"),
            field(&AprilGrid::family, "family", kChoice, kOptional, "tag family", tag_family_names()),
            field(&AprilGrid::border_bits, "border_bits", kBits, kOptional,
-                 "width of the black border: 2 as Kalibr's, 1 as AprilTag's own")}};
+                 "width of the black border: 2 as Kalibr's, 1 as AprilTag's own"),
+           field(&AprilGrid::first_tag, "first_tag", kNumber, kOptional, "code of the bottom-left tag")}};
 }
 
 BoardKind circles() {
@@ -90,7 +91,9 @@ BoardKind asymmetric_circles() {
           {field(&AsymmetricCircles::columns, "columns", kCount, kRequired, "circles in a row"),
            field(&AsymmetricCircles::rows, "rows", kCount, kRequired, "rows of circles"),
            field(&AsymmetricCircles::spacing_m, "spacing_m", kLength, kRequired,
-                 "between neighbouring rows; circles of a row are two of it apart [m]")}};
+                 "half the distance between neighbours in a row [m]"),
+           field(&AsymmetricCircles::row_step_m, "row_step_m", kLength, kOptional,
+                 "between neighbouring rows; without it as spacing_m [m]")}};
 }
 
 BoardKind points() {
@@ -101,17 +104,19 @@ BoardKind points() {
           {field(&PointSet::file, "file", FieldForm::kFile, kRequired, "CSV with columns point_id,x,y,z [m]")}};
 }
 
-// square_m -> SQUARE
-std::string placeholder(const BoardField& field) {
-  std::string text = field.name;
-  if (text.ends_with("_m")) text.resize(text.size() - 2);
+std::string upper(std::string text) {
   std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  return field.form == FieldForm::kFile ? text + ".csv" : text;
+  return text;
+}
+
+std::string required_part(const BoardField& field) {
+  return upper(field.word_name()) + (field.form == FieldForm::kFile ? ".csv" : "");
 }
 
 std::string optional_part(const BoardField& field) {
   if (field.form == FieldForm::kFlag) return "[:" + field.name + "]";
   if (field.form == FieldForm::kBits) return "[:1bit|2bit]";
+  if (field.form != FieldForm::kChoice) return "[:" + field.word_name() + "=" + upper(field.word_name()) + "]";
   std::string choices;
   for (const std::string& choice : field.choices) choices += (choices.empty() ? "" : "|") + choice;
   return "[:" + choices + "]";
@@ -119,11 +124,16 @@ std::string optional_part(const BoardField& field) {
 
 }  // namespace
 
+std::string BoardField::word_name() const {
+  const bool in_metres = form == FieldForm::kLength && name.ends_with("_m");
+  return in_metres ? name.substr(0, name.size() - 2) : name;
+}
+
 std::string BoardKind::form() const {
   std::string text = name;
   for (size_t i = 0; i < fields.size(); ++i) {
     const bool second_count = i > 0 && fields[i].form == FieldForm::kCount && fields[i - 1].form == FieldForm::kCount;
-    text += fields[i].required ? (second_count ? "x" : ":") + placeholder(fields[i]) : optional_part(fields[i]);
+    text += fields[i].required ? (second_count ? "x" : ":") + required_part(fields[i]) : optional_part(fields[i]);
   }
   return text;
 }

@@ -73,4 +73,15 @@ Target target_of(const Board& board);
 /// positive, a marker larger than its square, an unknown dictionary or family, more tags than the family has.
 void check(const Board& board);
 
+/// The board that a word on the command line names: chessboard:9x6:25mm,
+/// charuco:8x8:25.4mm:19.05mm:DICT_4X4_1000:legacy, aprilgrid:6x6:88mm:0.3:36h11:1bit, ... Lengths carry their unit:
+/// mm, cm, m, in. Required fields stand in their order, optional ones behind them in any order. board_kinds() has the
+/// forms.
+///
+/// @throws Error(kBadInput) in one sentence that shows the right form; Error(kIo) when a point file cannot be read
+Board board_from_word(const std::string& word);
+
+/// The word that gives back this board bit by bit: what is printed below a drawn board.
+std::string word_of(const Board& board);
+
 }  // namespace raybundle

@@ -14,7 +14,8 @@ namespace raybundle {
 /// What a field of a board holds, and with that how words and files spell it.
 enum class FieldForm {
   kCount,   ///< int; columns and rows stand together in a word: 9x6
-  kLength,  ///< double [m]; in a word with its unit: 25mm
+  kLength,  ///< double [m]; in a word with its unit: 25mm; optional ones as row_step=35mm
+  kNumber,  ///< int; optional ones stand in a word as first_tag=24
   kRatio,   ///< double without unit
   kBits,    ///< int; in a word 1bit
   kChoice,  ///< one of a list of names
@@ -33,6 +34,8 @@ struct BoardField {
   std::vector<std::string> choices;  ///< of kChoice
   std::function<FieldValue(const Board&)> get;
   std::function<void(Board&, const FieldValue&)> set;  ///< the value's type must be the form's
+
+  std::string word_name() const;  ///< the name without the unit: square for square_m
 };
 
 /// One kind of board.
