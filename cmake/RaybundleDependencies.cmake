@@ -13,10 +13,4 @@ find_package(yaml-cpp REQUIRED)
 find_package(OpenSSL 3 REQUIRED COMPONENTS Crypto)  # SHA-256
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(cairo REQUIRED IMPORTED_TARGET cairo)
-
-find_path(APRILTAG_INCLUDE apriltag/apriltag.h REQUIRED)
-find_library(APRILTAG_LIBRARY apriltag REQUIRED)
-add_library(raybundle_apriltag INTERFACE)
-add_library(raybundle::apriltag ALIAS raybundle_apriltag)
-target_include_directories(raybundle_apriltag SYSTEM INTERFACE ${APRILTAG_INCLUDE})
-target_link_libraries(raybundle_apriltag INTERFACE ${APRILTAG_LIBRARY})
+find_package(AprilTag REQUIRED)
