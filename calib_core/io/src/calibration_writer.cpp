@@ -1,0 +1,163 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "calibration_format.hpp"
+#include "json_text.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/io/calibration_file.hpp"
+#include "raybundle/scene/atomic_file.hpp"
+
+namespace raybundle {
+namespace {
+
+[[noreturn]] void refuse(const std::string& message) {
+  throw Error(ErrorKind::kBadInput, message + "; nothing was written", "calibration");
+}
+
+bool finite(const Rigid3& transform) {
+  return transform.rotation.coeffs().allFinite() && transform.translation.allFinite();
+}
+
+// A file that cannot be read back is worse than none.
+void check(const CalibrationFile& file) {
+  const Calibration& calibration = file.calibration;
+  const auto count = static_cast<Eigen::Index>(calibration.covariance.names.size());
+  if (calibration.cameras.empty()) refuse("there is no camera");
+  if (calibration.covariance.matrix.rows() != count || calibration.covariance.matrix.cols() != count) {
+    refuse("the covariance matrix and its names differ in size");
+  }
+  if (!calibration.covariance.matrix.allFinite()) refuse("the covariance holds a number that is not finite");
+  if (!file.summaries.empty() && file.summaries.size() != calibration.cameras.size()) {
+    refuse("there are " + std::to_string(file.summaries.size()) + " residual summaries for " +
+           std::to_string(calibration.cameras.size()) + " cameras");
+  }
+  for (const RigCamera& camera : calibration.cameras) {
+    if (!camera.camera.parameters.allFinite() || !finite(camera.camera_from_rig)) {
+      refuse("camera " + camera.name + " holds a number that is not finite");
+    }
+  }
+}
+
+OrderedJson conventions() {
+  return {
+      {"pixel", "(0, 0) is the centre of the top-left pixel; u to the right, v down"},
+      {"camera_axes", "x right, y down, z forward"},
+      {"transform", "b_from_a: x_in_b = R(rotation_xyzw) x_in_a + translation_m"},
+      {"rig_frame", "the frame of the first camera"},
+      {"rotation_sigma", "a small rotation vector applied on the left of the rotation"},
+      {"surface", "z = bend_x_m (1 - x^2) + bend_y_m (1 - y^2) + twist_m x y, x and y from -1 to 1 over the points"}};
+}
+
+// Standard deviations of what was estimated; parameters that were held fixed do not appear.
+OrderedJson json_from_sigmas(const Covariance& covariance, const RigCamera& camera) {
+  OrderedJson sigmas = OrderedJson::object();
+  const auto add = [&](const std::string& parameter) {
+    const double sigma = covariance.sigma(camera.name + "." + parameter);
+    if (sigma > 0) sigmas[parameter] = sigma;
+  };
+  for (const std::string_view name : parameter_names(camera.camera.model)) add(std::string(name));
+  for (const char* part : {"rotation_", "translation_"}) {
+    for (const char* axis : {"x", "y", "z"}) add(std::string("camera_from_rig.") + part + axis);
+  }
+  return sigmas;
+}
+
+OrderedJson json_from_summary(const CameraSummary& summary) {
+  return {{"rms_px", summary.rms_px},
+          {"median_px", summary.median_px},
+          {"views_used", summary.views_used},
+          {"views_total", summary.views_total},
+          {"corners_used", summary.corners_used},
+          {"corners_outlier", summary.corners_outlier}};
+}
+
+OrderedJson json_from_camera(const CalibrationFile& file, std::size_t index) {
+  const RigCamera& camera = file.calibration.cameras[index];
+  OrderedJson json{{"name", camera.name},
+                   {"model", model_name(camera.camera.model)},
+                   {"width", camera.camera.size.width},
+                   {"height", camera.camera.size.height}};
+  const std::vector<std::string_view> names = parameter_names(camera.camera.model);
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    json["parameters"][std::string(names[k])] = camera.camera.parameters[static_cast<Eigen::Index>(k)];
+  }
+  json["camera_from_rig"] = json_from_rigid3(camera.camera_from_rig);
+  json["sigmas"] = json_from_sigmas(file.calibration.covariance, camera);
+  if (!file.summaries.empty()) json["residuals"] = json_from_summary(file.summaries[index]);
+  return json;
+}
+
+OrderedJson json_from_targets(const std::vector<CalibratedTarget>& targets) {
+  OrderedJson json = OrderedJson::array();
+  for (const CalibratedTarget& target : targets) {
+    json.push_back({{"name", target.target.name},
+                    {"shape", json_from_shape(target.shape)},
+                    {"points", json_from_points(target.target)},
+                    {"symmetries", json_from_symmetries(target.target)}});
+  }
+  return json;
+}
+
+// The lower triangle, row by row: a covariance is symmetric, so every number is written once.
+OrderedJson json_from_covariance(const Covariance& covariance) {
+  OrderedJson rows = OrderedJson::array();
+  for (Eigen::Index i = 0; i < covariance.matrix.rows(); ++i) {
+    rows.push_back(json_from_vector(covariance.matrix.row(i).head(i + 1).transpose()));
+  }
+  return {{"names", covariance.names}, {"lower_triangle", rows}};
+}
+
+// Points at one metre on the rays of a 3 x 3 grid of pixels, and where they land: whoever reads the file can check
+// model, parameters and transform at once.
+OrderedJson json_from_self_test(const std::vector<RigCamera>& cameras) {
+  OrderedJson json = OrderedJson::array();
+  for (const RigCamera& camera : cameras) {
+    for (const double v : {0.1, 0.5, 0.9}) {
+      for (const double u : {0.1, 0.5, 0.9}) {
+        const Eigen::Vector2d grid(u * (camera.camera.size.width - 1), v * (camera.camera.size.height - 1));
+        const auto ray = ray_from_pixel(camera.camera, grid);
+        if (!ray || !ray->allFinite()) continue;
+        const Eigen::Vector3d x_in_rig = camera.camera_from_rig.inverse() * *ray;
+        const auto pixel = pixel_from_ray(camera.camera, camera.camera_from_rig * x_in_rig);
+        if (!pixel || !pixel->allFinite()) continue;
+        json.push_back({{"camera", camera.name},
+                        {"point_in_rig_m", json_from_vector(x_in_rig)},
+                        {"ray_in_camera", json_from_vector(*ray)},
+                        {"pixel", json_from_vector(*pixel)}});
+      }
+    }
+  }
+  return json;
+}
+
+}  // namespace
+
+CalibrationFile calibration_file(const CalibrationResult& result, const Provenance& provenance) {
+  return {result.calibration, result.rms_px, result.variance_factor, result.cameras, provenance};
+}
+
+std::string text_from_calibration(const CalibrationFile& file) {
+  check(file);
+  OrderedJson cameras = OrderedJson::array();
+  for (std::size_t i = 0; i < file.calibration.cameras.size(); ++i) cameras.push_back(json_from_camera(file, i));
+  const OrderedJson json{{"format", kCalibrationFormat},
+                         {"version", kCalibrationVersion},
+                         {"units", {{"length", "m"}, {"angle", "rad"}, {"image", "px"}}},
+                         {"conventions", conventions()},
+                         {"cameras", cameras},
+                         {"targets", json_from_targets(file.calibration.targets)},
+                         {"residuals", {{"rms_px", file.rms_px}, {"variance_factor", file.variance_factor}}},
+                         {"covariance", json_from_covariance(file.calibration.covariance)},
+                         {"self_test", json_from_self_test(file.calibration.cameras)},
+                         {"provenance", json_from_provenance(file.provenance)}};
+  return pretty_text(json, "self_test");
+}
+
+void write_calibration(const std::filesystem::path& path, const CalibrationFile& file) {
+  write_file_whole(path, text_from_calibration(file));
+}
+
+}  // namespace raybundle

@@ -1,0 +1,196 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "json_node.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "json_location.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/scene/csv.hpp"
+#include "raybundle/scene/suggestion.hpp"
+
+namespace raybundle {
+namespace {
+
+constexpr int kMaxImageSide = 1'000'000;  // [px]; beyond that a width is a mistake
+
+}  // namespace
+
+JsonDocument parse_json(std::string_view text, const std::string& name) {
+  try {
+    return {text, name, nlohmann::json::parse(text.begin(), text.end())};
+  } catch (const nlohmann::json::exception&) {
+    const std::size_t byte = byte_of_syntax_error(text);
+    const std::string where = name + ":" + std::to_string(line_of_byte(text, byte));
+    if (byte >= text.size()) {
+      throw Error(ErrorKind::kBadInput, "the JSON text ends too early; is the file complete?", where);
+    }
+    const std::size_t begin = byte - std::min<std::size_t>(byte, 20);
+    throw Error(ErrorKind::kBadInput,
+                "this is not valid JSON, the mistake is at the end of " +
+                    in_quotes(text.substr(begin, byte + 1 - begin)) + "; correct it or write the file again",
+                where);
+  }
+}
+
+JsonNode JsonNode::at(std::string_view key) const& {
+  const std::optional<JsonNode> found = find(key);
+  if (found) return *found;
+  JsonNode missing;
+  missing.document_ = document_;
+  missing.value_ = value_;
+  missing.parent_ = this;
+  missing.key_ = key;
+  missing.fail("is missing; add it");
+}
+
+std::optional<JsonNode> JsonNode::find(std::string_view key) const& {
+  if (!value_->is_object()) fail_type("an object");
+  const auto found = value_->find(key);
+  if (found == value_->end()) return std::nullopt;
+  JsonNode node;
+  node.document_ = document_;
+  node.value_ = &*found;
+  node.parent_ = this;
+  node.key_ = key;
+  return node;
+}
+
+JsonNode JsonNode::operator[](std::size_t index) const& {
+  JsonNode node;
+  node.document_ = document_;
+  node.value_ = &value_->at(index);
+  node.parent_ = this;
+  node.index_ = index;
+  return node;
+}
+
+std::size_t JsonNode::array_size() const {
+  if (!value_->is_array()) fail_type("an array");
+  return value_->size();
+}
+
+void JsonNode::expect_array_size(std::size_t size) const {
+  if (array_size() == size) return;
+  fail("has " + std::to_string(value_->size()) + " entries where " + std::to_string(size) +
+       " are expected; correct it or write the file again");
+}
+
+std::vector<std::string> JsonNode::keys() const {
+  if (!value_->is_object()) fail_type("an object");
+  std::vector<std::string> keys;
+  for (const auto& item : value_->items()) keys.push_back(item.key());
+  return keys;
+}
+
+void JsonNode::expect_keys(const std::vector<std::string>& known) const {
+  for (const std::string& key : keys()) {
+    if (std::ranges::find(known, key) != known.end()) continue;
+    find(key)->fail("is not a key that belongs here." + did_you_mean(key, known));
+  }
+}
+
+double JsonNode::number() const {
+  if (!value_->is_number()) fail_type("a number");
+  return value_->get<double>();  // JSON has no NaN, and the parser refuses what overflows
+}
+
+double JsonNode::positive_number() const {
+  const double value = number();
+  if (!(value > 0)) fail("is " + value_->dump() + "; it must be positive");
+  return value;
+}
+
+int JsonNode::whole_number(int low, int high) const {
+  const std::string range = "a whole number from " + std::to_string(low) + " to " + std::to_string(high);
+  if (!value_->is_number_integer()) fail_type(range.c_str());
+  const bool too_large = value_->is_number_unsigned() && value_->get<std::uint64_t>() > static_cast<unsigned>(high);
+  if (too_large || value_->get<std::int64_t>() < low || value_->get<std::int64_t>() > high) {
+    fail("is " + value_->dump() + "; it must be " + range);
+  }
+  return value_->get<int>();
+}
+
+std::string JsonNode::text() const {
+  if (!value_->is_string()) fail_type("a text in quotes");
+  return value_->get<std::string>();
+}
+
+std::string JsonNode::name() const {
+  const std::string value = text();
+  if (value.empty()) fail("is empty; give it a name");
+  return value;
+}
+
+ModelId JsonNode::model() const {
+  const std::string value = text();
+  if (const auto model = model_named(value)) return *model;
+  const std::vector<std::string_view> names = model_names();
+  fail(in_quotes(value) + " is not a camera model that this version knows." +
+       did_you_mean(value, {names.begin(), names.end()}));
+}
+
+ImageSize JsonNode::image_size() const {
+  return {at("width").whole_number(1, kMaxImageSide), at("height").whole_number(1, kMaxImageSide)};
+}
+
+Rigid3 JsonNode::rigid3() const {
+  const JsonNode rotation = at("rotation_xyzw");
+  Rigid3 transform;
+  transform.rotation.coeffs() = rotation.vector<4>();  // Eigen keeps x y z w in this order
+  transform.translation = at("translation_m").vector<3>();
+  const double norm = transform.rotation.norm();
+  if (!(std::abs(norm - 1.0) < 1e-3)) {
+    rotation.fail("is not a unit quaternion (its length is " + std::to_string(norm) + "); correct it");
+  }
+  // A quaternion that was written with a few digits is mended; one that we wrote keeps its bits.
+  if (std::abs(norm - 1.0) > 1e-12) transform.rotation.normalize();
+  return transform;
+}
+
+std::string JsonNode::path() const {
+  if (parent_ == nullptr) return "";
+  const std::string before = parent_->path();
+  if (key_.data() == nullptr) return before + "[" + std::to_string(index_) + "]";
+  return before.empty() ? std::string(key_) : before + "." + std::string(key_);
+}
+
+int JsonNode::line() const {
+  std::vector<JsonStep> steps;
+  const nlohmann::json* missing_from = parent_ != nullptr && parent_->value_ == value_ ? value_ : nullptr;
+  for (const JsonNode* node = missing_from ? parent_ : this; node->parent_ != nullptr; node = node->parent_) {
+    steps.push_back({node->key_, node->index_, node->key_.data() == nullptr});
+  }
+  std::ranges::reverse(steps);
+  return line_of_value(document_->text, steps);
+}
+
+void JsonNode::fail(const std::string& message) const {
+  const std::string subject = parent_ == nullptr ? "the whole text" : path();
+  throw Error(ErrorKind::kBadInput, subject + " " + message, document_->name + ":" + std::to_string(line()));
+}
+
+void JsonNode::fail_type(const char* wanted) const {
+  fail("is " +
+       std::string(value_->is_null()     ? "null"
+                   : value_->is_string() ? "a text"
+                                         : value_->type_name()) +
+       ", where " + wanted + " is expected; correct it");
+}
+
+void expect_format(const JsonNode& root, const std::string& format, int version) {
+  const JsonNode format_node = root.at("format");
+  if (format_node.text() != format) {
+    format_node.fail("is " + in_quotes(format_node.text()) + " where " + in_quotes(format) +
+                     " is expected; is this the right file?");
+  }
+  const JsonNode version_node = root.at("version");
+  const int found = version_node.whole_number(0, 1'000'000);
+  if (found != version) {
+    version_node.fail("is " + std::to_string(found) + ", and this program reads version " + std::to_string(version) +
+                      "; write the file again with this program, or read it with the one that wrote it");
+  }
+}
+
+}  // namespace raybundle

@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "raybundle/geometry/rigid3.hpp"
+#include "raybundle/io/provenance.hpp"
+#include "raybundle/scene/target.hpp"
+
+namespace raybundle {
+
+/// Keys are written in the order in which they were set.
+using OrderedJson = nlohmann::ordered_json;
+
+/// JSON for people and programs: objects are indented, arrays of plain values, and objects of plain values in an array,
+/// stay on one line. Numbers have the shortest digits that bring back the same bits; what is not finite becomes null.
+///
+/// @param lines  key of arrays whose entries are written one a line, whatever they hold
+std::string pretty_text(const OrderedJson& value, const std::string& lines = {});
+
+OrderedJson json_from_vector(const Eigen::Ref<const Eigen::VectorXd>& values);
+OrderedJson json_from_rigid3(const Rigid3& b_from_a);
+OrderedJson json_from_points(const Target& target);      ///< [[id, x, y, z], ...]
+OrderedJson json_from_symmetries(const Target& target);  ///< [[id, ...], ...]
+OrderedJson json_from_shape(const BoardShape& shape);
+OrderedJson json_from_provenance(const Provenance& provenance);
+
+}  // namespace raybundle

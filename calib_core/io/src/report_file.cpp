@@ -1,0 +1,146 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/io/report_file.hpp"
+
+#include <limits>
+
+#include "json_text.hpp"
+#include "raybundle/scene/atomic_file.hpp"
+
+namespace raybundle {
+namespace {
+
+// In the order of the enumerations.
+constexpr const char* kFates[] = {"used", "outlier", "unprojectable", "view_set_aside"};
+constexpr const char* kTerminations[] = {"converged", "iteration_limit", "failed"};
+constexpr const char* kScopes[] = {"view", "extrinsics"};
+
+OrderedJson json_from_cameras(const CalibrationProblem& problem, const CalibrationResult& result) {
+  OrderedJson json = OrderedJson::array();
+  for (std::size_t i = 0; i < problem.cameras.size(); ++i) {
+    const ProblemCamera& camera = problem.cameras[i];
+    const CameraSummary summary = i < result.cameras.size() ? result.cameras[i] : CameraSummary{};
+    json.push_back({{"name", camera.name},
+                    {"model", model_name(camera.model)},
+                    {"width", camera.size.width},
+                    {"height", camera.size.height},
+                    {"rms_px", summary.rms_px},
+                    {"median_px", summary.median_px},
+                    {"views_used", summary.views_used},
+                    {"views_total", summary.views_total},
+                    {"corners_used", summary.corners_used},
+                    {"corners_outlier", summary.corners_outlier}});
+  }
+  return json;
+}
+
+OrderedJson json_from_targets(const CalibrationProblem& problem, const CalibrationResult& result) {
+  OrderedJson json = OrderedJson::array();
+  for (std::size_t i = 0; i < problem.targets.size(); ++i) {
+    OrderedJson target{{"name", problem.targets[i].name}, {"points", json_from_points(problem.targets[i])}};
+    if (i < result.calibration.targets.size()) target["shape"] = json_from_shape(result.calibration.targets[i].shape);
+    json.push_back(target);
+  }
+  return json;
+}
+
+OrderedJson json_from_set_aside(const CalibrationProblem& problem, const CalibrationResult& result,
+                                const ReportExtra& extra) {
+  OrderedJson json = OrderedJson::array();
+  for (const SetAside& set_aside : result.set_aside) {
+    const TargetView& view = problem.views[set_aside.view];
+    json.push_back({{"camera", problem.cameras[view.camera].name},
+                    {"frame", problem.frames[view.frame]},
+                    {"target", view.target},
+                    {"image", view.image},
+                    {"scope", kScopes[static_cast<int>(set_aside.scope)]},
+                    {"reason", set_aside.reason}});
+  }
+  for (const UnusedImage& unused : extra.unused_images) {
+    json.push_back({{"camera", unused.camera},
+                    {"frame", unused.frame},
+                    {"image", unused.image},
+                    {"scope", "image"},
+                    {"reason", unused.reason}});
+  }
+  return json;
+}
+
+OrderedJson json_from_stages(const std::vector<StageTime>& stages) {
+  OrderedJson json = OrderedJson::array();
+  for (const StageTime& stage : stages) json.push_back({{"name", stage.name}, {"seconds", stage.seconds}});
+  return json;
+}
+
+OrderedJson json_from_poses(const CalibrationProblem& problem, const std::vector<BoardPose>& poses) {
+  OrderedJson json = OrderedJson::array();
+  for (const BoardPose& pose : poses) {
+    json.push_back({{"frame", problem.frames[pose.frame]},
+                    {"target", pose.target},
+                    {"rig_from_target", json_from_rigid3(pose.rig_from_target)}});
+  }
+  return json;
+}
+
+// One row for each observation; a residual that does not exist becomes null.
+OrderedJson json_from_view(const CalibrationProblem& problem, const TargetView& view, const ViewResult& result) {
+  OrderedJson rows = OrderedJson::array();
+  for (std::size_t i = 0; i < view.observations.size(); ++i) {
+    const Observation& observation = view.observations[i];
+    const bool known = i < result.residuals_px.size() && i < result.fates.size();
+    const Eigen::Vector2d residual =
+        known ? result.residuals_px[i] : Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+    const ObservationFate fate = known ? result.fates[i] : ObservationFate::kViewSetAside;
+    rows.push_back({observation.point_id, observation.pixel.x(), observation.pixel.y(), observation.sigma_px,
+                    residual.x(), residual.y(), static_cast<int>(fate)});
+  }
+  OrderedJson json{{"camera", problem.cameras[view.camera].name},
+                   {"frame", problem.frames[view.frame]},
+                   {"target", view.target},
+                   {"image", view.image},
+                   {"pose", result.pose},
+                   {"rms_px", result.rms_px}};
+  json["observations"] = rows;
+  return json;
+}
+
+OrderedJson json_from_views(const CalibrationProblem& problem, const CalibrationResult& result) {
+  OrderedJson json = OrderedJson::array();
+  for (std::size_t i = 0; i < problem.views.size(); ++i) {
+    json.push_back(json_from_view(problem, problem.views[i], i < result.views.size() ? result.views[i] : ViewResult{}));
+  }
+  return json;
+}
+
+}  // namespace
+
+std::string text_from_report(const CalibrationProblem& problem, const CalibrationResult& result,
+                             const ReportExtra& extra) {
+  const OrderedJson json{
+      {"format", "raybundle report"},
+      {"version", 1},
+      {"rms_px", result.rms_px},
+      {"variance_factor", result.variance_factor},
+      {"termination", kTerminations[static_cast<int>(result.termination)]},
+      {"iterations", result.iterations},
+      {"gauge", result.gauge},
+      {"outlier_rule", result.outlier_rule},
+      {"warnings", result.warnings},
+      {"cameras", json_from_cameras(problem, result)},
+      {"set_aside", json_from_set_aside(problem, result, extra)},
+      {"stages", json_from_stages(result.stages)},
+      {"targets", json_from_targets(problem, result)},
+      {"poses", json_from_poses(problem, result.poses)},
+      {"fates", kFates},
+      {"observation_columns", {"point_id", "u_px", "v_px", "sigma_px", "residual_u_px", "residual_v_px", "fate"}},
+      {"views", json_from_views(problem, result)},
+      {"provenance", json_from_provenance(extra.provenance)}};
+  return pretty_text(json, "views");
+}
+
+void write_report(const std::filesystem::path& path, const CalibrationProblem& problem, const CalibrationResult& result,
+                  const ReportExtra& extra) {
+  write_file_whole(path, text_from_report(problem, result, extra));
+}
+
+}  // namespace raybundle
