@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <opencv2/core.hpp>
+
+#include "board_dictionary.hpp"
+#include "charuco.hpp"
+
+namespace raybundle {
+namespace {
+
+constexpr std::size_t kFewestMarkers = 3;  // fewer that agree are an accident
+// One of each size of code is enough: the smaller dictionaries are the first codes of the larger ones.
+constexpr std::array<const char*, 7> kCommonDictionaries{
+    "DICT_4X4_1000",       "DICT_5X5_1000",       "DICT_6X6_1000",     "DICT_7X7_1000",
+    "DICT_ARUCO_ORIGINAL", "DICT_APRILTAG_36h11", "DICT_APRILTAG_16h5"};
+
+std::size_t agreeing(const MarkerSearch& search, const Charuco& board) {
+  return consistent_markers(search.markers, charuco_layout(board)).size();
+}
+
+// The setting under which more than half of the markers agree.
+std::string layout_hint(const MarkerSearch& search, const Charuco& board) {
+  Charuco other = board;
+  other.legacy = !board.legacy;
+  const std::size_t seen = search.markers.size();
+  const std::size_t agree = agreeing(search, other);
+  if (agree >= kFewestMarkers && agree > agreeing(search, board)) {
+    return fmt::format("{} markers seen, but they stand as on a board of the {} layout: try legacy = {}", seen,
+                       other.legacy ? "legacy" : "new", other.legacy);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string charuco_hint(const cv::Mat& upright, const Charuco& board, const MarkerSearch& search) {
+  if (std::string hint = layout_hint(search, board); !hint.empty()) return hint;
+  if (search.markers.size() >= kFewestMarkers && agreeing(search, board) < kFewestMarkers) {
+    return fmt::format(
+        "{} markers of {} seen, but they do not stand as on a board of {} x {} squares: check columns and rows",
+        search.markers.size(), board.dictionary, board.columns, board.rows);
+  }
+  cv::Mat inverse;
+  cv::bitwise_not(upright, inverse);
+  const MarkerSearch inverted = find_markers(inverse, dictionary_named(board.dictionary), 1);
+  Charuco other = board;
+  other.legacy = !board.legacy;
+  if (const std::size_t agree = std::max(agreeing(inverted, board), agreeing(inverted, other));
+      agree >= kFewestMarkers) {
+    const std::string legacy =
+        agreeing(inverted, other) > agreeing(inverted, board) ? fmt::format(" and legacy = {}", other.legacy) : "";
+    return fmt::format("{} markers seen with black and white exchanged: try inverted = {}{}", agree, !board.inverted,
+                       legacy);
+  }
+  // Without quadrilaterals there is nothing that another dictionary could read.
+  if (search.unread.size() < kFewestMarkers) return {};
+  for (const char* name : kCommonDictionaries) {
+    if (name == board.dictionary) continue;
+    const auto dictionary = dictionary_named(name);
+    const auto read =
+        std::ranges::count_if(search.unread, [&](const Quad& quad) { return reads_as(upright, quad, dictionary); });
+    if (read >= static_cast<std::ptrdiff_t>(2 * kFewestMarkers)) {
+      return fmt::format("{} markers of {} seen, none of {}: check the dictionary", read, name, board.dictionary);
+    }
+  }
+  return {};
+}
+
+}  // namespace raybundle
