@@ -1,0 +1,252 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "lens_bundle.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "raybundle/geometry/rotation.hpp"
+
+namespace raybundle {
+namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Cross = Eigen::Matrix<double, Eigen::Dynamic, 6, 0, kMaxLensParameters, 6>;
+
+/// Normal equations of one view: its pose and its share in the lens.
+struct ViewEquations {
+  LensMatrix lens;
+  LensVector lens_right;
+  Cross cross;
+  Matrix6 pose;
+  Vector6 pose_right;
+};
+
+double view_cost(const LensFunctions& lens, const double* parameters, const PointsInView& view, const Rigid3& pose,
+                 double scale2) {
+  const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
+  double cost = 0.0;
+  Eigen::Vector2d pixel;
+  for (std::size_t i = 0; i < view.points.size(); ++i) {
+    const Eigen::Vector3d x = rotation * view.points[i] + pose.translation;
+    if (!lens.project(parameters, x, pixel)) {
+      cost += scale2;
+      continue;
+    }
+    const double squared = (pixel - view.pixels[i]).squaredNorm();
+    cost += std::isfinite(squared) ? scale2 * (squared / (scale2 + squared)) : scale2;
+  }
+  return cost;
+}
+
+void view_equations(const LensFunctions& lens, const double* parameters, const PointsInView& view, const Rigid3& pose,
+                    double scale2, const LensBundleOptions& options, ViewEquations& equations) {
+  const int n = lens.parameters;
+  equations.lens.setZero(n, n);
+  equations.lens_right.setZero(n);
+  equations.cross.setZero(n, 6);
+  equations.pose.setZero();
+  equations.pose_right.setZero();
+  const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
+  Eigen::Vector2d pixel;
+  Eigen::Matrix<double, 2, 3, Eigen::RowMajor> wrt_ray;
+  double wrt_parameters[2 * kMaxLensParameters];
+  const Eigen::Map<Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::RowMajor>> jacobian(wrt_parameters, 2, n);
+  for (std::size_t i = 0; i < view.points.size(); ++i) {
+    const Eigen::Vector3d arm = rotation * view.points[i];
+    if (!lens.project_with_jacobians(parameters, arm + pose.translation, pixel, wrt_ray, wrt_parameters)) continue;
+    const Eigen::Vector2d error = pixel - view.pixels[i];
+    const double damping = scale2 / (scale2 + error.squaredNorm());
+    const double weight = damping * damping;
+    if (!(weight > 1e-12)) continue;
+    Eigen::Matrix<double, 2, 6> wrt_pose;
+    wrt_pose.leftCols<3>() = -wrt_ray * skew(arm);
+    wrt_pose.rightCols<3>() = wrt_ray;
+    if (!options.lens_fixed) {
+      const Eigen::Matrix<double, Eigen::Dynamic, 2, 0, kMaxLensParameters, 2> weighted = weight * jacobian.transpose();
+      equations.lens.noalias() += weighted * jacobian;
+      equations.lens_right.noalias() -= weighted * error;
+      equations.cross.noalias() += weighted * wrt_pose;
+    }
+    if (options.poses_fixed) continue;
+    equations.pose.noalias() += weight * wrt_pose.transpose() * wrt_pose;
+    equations.pose_right.noalias() -= weight * wrt_pose.transpose() * error;
+  }
+}
+
+double prior_cost(const LensBundleOptions& options, const LensVector& parameters) {
+  double cost = 0.0;
+  if (options.prior_mean.size() > 0) {
+    cost += (parameters - options.prior_mean).cwiseProduct(options.prior_weight).squaredNorm();
+  }
+  const double skewed = options.aspect_weight * (parameters[1] / parameters[0] - 1.0);
+  return cost + skewed * skewed;
+}
+
+void add_priors(const LensBundleOptions& options, const LensVector& parameters, LensMatrix& normal, LensVector& right) {
+  if (options.prior_mean.size() > 0) {
+    const LensVector weight2 = options.prior_weight.cwiseAbs2();
+    normal.diagonal() += weight2;
+    right -= weight2.cwiseProduct(parameters - options.prior_mean);
+  }
+  const double weight2 = options.aspect_weight * options.aspect_weight;
+  const double ratio = parameters[1] / parameters[0];
+  const Eigen::Vector2d slope(-ratio / parameters[0], 1.0 / parameters[0]);
+  normal.topLeftCorner<2, 2>() += weight2 * slope * slope.transpose();
+  right.head<2>() -= weight2 * slope * (ratio - 1.0);
+}
+
+/// Marquardt's damping; the floor keeps directions that nothing sees from running away.
+template <typename Matrix>
+void damp(Matrix& matrix, double lambda) {
+  const double floor = 1e-12 * std::max(matrix.diagonal().maxCoeff(), 1e-12);
+  matrix.diagonal().array() += lambda * matrix.diagonal().array() + floor;
+}
+
+struct Step {
+  LensVector lens;
+  std::vector<Vector6> poses;
+};
+
+/// Back substitution: the poses' steps for the lens's.
+bool solve_poses(const std::vector<ViewEquations>& equations, const std::vector<Eigen::LLT<Matrix6>>& factors,
+                 Step& step) {
+  step.poses.assign(equations.size(), Vector6::Zero());
+  for (std::size_t v = 0; v < factors.size(); ++v) {
+    step.poses[v] = factors[v].solve(equations[v].pose_right - equations[v].cross.transpose() * step.lens);
+    if (!step.poses[v].allFinite()) return false;
+  }
+  return true;
+}
+
+/// One damped step.
+bool solve_step(const std::vector<ViewEquations>& equations, const LensBundleOptions& options,
+                const LensVector& parameters, double lambda, Step& step) {
+  const Eigen::Index n = parameters.size();
+  LensMatrix normal = LensMatrix::Zero(n, n);
+  LensVector right = LensVector::Zero(n);
+  for (const ViewEquations& view : equations) {
+    normal += view.lens;
+    right += view.lens_right;
+  }
+  add_priors(options, parameters, normal, right);
+  damp(normal, lambda);
+  std::vector<Eigen::LLT<Matrix6>> factors;
+  if (!options.poses_fixed) {
+    factors.reserve(equations.size());
+    for (const ViewEquations& view : equations) {
+      Matrix6 pose = view.pose;
+      damp(pose, lambda);
+      factors.emplace_back(pose);
+      const Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMaxLensParameters> solved =
+          factors.back().solve(view.cross.transpose());
+      normal.noalias() -= view.cross * solved;
+      right.noalias() -= solved.transpose() * view.pose_right;
+    }
+  }
+  if (options.lens_fixed) {
+    step.lens.setZero(n);
+    return solve_poses(equations, factors, step);
+  }
+  const LensVector scale = normal.diagonal().cwiseMax(1e-30).cwiseSqrt().cwiseInverse();
+  const LensMatrix scaled = scale.asDiagonal() * normal * scale.asDiagonal();
+  step.lens = scale.cwiseProduct(LensVector(scaled.ldlt().solve(scale.cwiseProduct(right))));
+  if (!step.lens.allFinite()) return false;
+  return solve_poses(equations, factors, step);
+}
+
+LensMatrix reduced_information(const std::vector<ViewEquations>& equations, int n, bool poses_fixed) {
+  LensMatrix information = LensMatrix::Zero(n, n);
+  for (const ViewEquations& view : equations) {
+    information += view.lens;
+    if (poses_fixed) continue;
+    Matrix6 pose = view.pose;
+    damp(pose, 1e-12);
+    const Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMaxLensParameters> solved =
+        pose.llt().solve(view.cross.transpose());
+    information.noalias() -= view.cross * solved;
+  }
+  return information;
+}
+
+}  // namespace
+
+LensFunctions lens_functions(ModelId model) {
+  return with_model(model, []<CameraModel M>() { return lens_functions<M>(); });
+}
+
+LensBundleSummary refine_lens(const LensFunctions& lens, const std::vector<PointsInView>& views,
+                              const LensBundleOptions& options, LensVector& parameters, std::vector<Rigid3>& poses) {
+  const double scale2 = options.scale_px * options.scale_px;
+  const auto total_cost = [&](const LensVector& p, const std::vector<Rigid3>& at) {
+    if (!(p[0] > 0) || !(p[1] > 0)) return std::numeric_limits<double>::infinity();
+    double cost = prior_cost(options, p);
+    for (std::size_t v = 0; v < views.size(); ++v) cost += view_cost(lens, p.data(), views[v], at[v], scale2);
+    return cost;
+  };
+
+  LensBundleSummary summary;
+  summary.cost = total_cost(parameters, poses);
+  std::vector<ViewEquations> equations(views.size());
+  const auto linearise = [&] {
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      view_equations(lens, parameters.data(), views[v], poses[v], scale2, options, equations[v]);
+    }
+  };
+  double lambda = 1e-4;
+  Step step;
+  for (; summary.iterations < options.max_iterations; ++summary.iterations) {
+    linearise();
+    bool improved = false;
+    bool converged = false;
+    while (!improved && lambda < 1e10) {
+      if (solve_step(equations, options, parameters, lambda, step)) {
+        const LensVector moved = parameters + step.lens;
+        std::vector<Rigid3> moved_poses = poses;
+        if (!options.poses_fixed) {
+          for (std::size_t v = 0; v < poses.size(); ++v) moved_poses[v] = perturbed(poses[v], step.poses[v]);
+        }
+        const double cost = total_cost(moved, moved_poses);
+        if (cost < summary.cost) {
+          converged = summary.cost - cost < 1e-5 * summary.cost;
+          summary.cost = cost;
+          parameters = moved;
+          poses = std::move(moved_poses);
+          lambda = std::max(0.1 * lambda, 1e-10);
+          improved = true;
+          continue;
+        }
+      }
+      lambda *= 10.0;
+    }
+    if (!improved || converged) break;
+  }
+  linearise();
+  summary.information = reduced_information(equations, lens.parameters, options.poses_fixed);
+  return summary;
+}
+
+void pixel_distances(const LensFunctions& lens, const double* parameters, const PointsInView& view, const Rigid3& pose,
+                     std::vector<double>& distances_px) {
+  distances_px.resize(view.points.size());
+  const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
+  Eigen::Vector2d pixel;
+  for (std::size_t i = 0; i < view.points.size(); ++i) {
+    distances_px[i] = std::numeric_limits<double>::infinity();
+    if (!lens.project(parameters, rotation * view.points[i] + pose.translation, pixel)) continue;
+    const double distance = (pixel - view.pixels[i]).norm();
+    if (std::isfinite(distance)) distances_px[i] = distance;
+  }
+}
+
+double quantile(std::vector<double>& values, double share) {
+  if (values.empty()) return std::numeric_limits<double>::infinity();
+  const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + rank, values.end());
+  return values[static_cast<std::size_t>(rank)];
+}
+
+}  // namespace raybundle

@@ -1,0 +1,166 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "lens_search.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "linear_pose.hpp"
+#include "pose_refinement.hpp"
+#include "start_lens.hpp"
+
+namespace raybundle {
+namespace {
+
+constexpr double kMaxDistancePx = 100.0;  ///< a corner that does not project counts like one that is this far off
+constexpr int kAlpha = 4;                 ///< index of StartLens's profile in the parameters
+
+const LensFunctions& start_lens() {
+  static const LensFunctions functions = lens_functions<StartLens>();
+  return functions;
+}
+
+double mean_of_best(std::vector<double>& values, double share) {
+  const auto count = std::max<std::size_t>(1, static_cast<std::size_t>(share * static_cast<double>(values.size())));
+  std::ranges::partial_sort(values, values.begin() + static_cast<std::ptrdiff_t>(count));
+  return std::accumulate(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count), 0.0) /
+         static_cast<double>(count);
+}
+
+/// Linear pose of a view under a lens without polynomial; the identity in front of the camera when there is none.
+Rigid3 quick_pose(const LensVector& lens, const PointsInView& view, const PrincipalFrame& frame) {
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Eigen::Vector3d> rays;
+  for (std::size_t i = 0; i < view.points.size(); ++i) {
+    const double plane[2] = {(view.pixels[i].x() - lens[2]) / lens[0], (view.pixels[i].y() - lens[3]) / lens[1]};
+    Eigen::Vector3d ray;
+    if (!StartLens::ray_from_plane_without_polynomial(lens[kAlpha], plane, ray.data())) continue;
+    points.push_back(view.points[i]);
+    rays.push_back(ray);
+  }
+  Rigid3 fallback;
+  fallback.translation = Eigen::Vector3d(0, 0, 10.0 * frame.spread[0]) - frame.centre;
+  if (points.size() < 4) return fallback;
+  const bool spatial = frame.spread[2] > 0.1 * frame.spread[0] && points.size() >= 6;
+  const auto pose = spatial ? linear_spatial_pose(points, rays, frame) : linear_planar_pose(points, rays, frame);
+  if (!pose) return fallback;
+  Rigid3 refined = *pose;
+  refine_on_rays(points, rays, refined, 4, 0.05);
+  return refined;
+}
+
+LensGuess guess_with(double alpha, double focal, const Eigen::Vector2d& centre, const std::vector<PointsInView>& views,
+                     const std::vector<PrincipalFrame>& frames) {
+  LensGuess guess;
+  guess.parameters.resize(start_lens().parameters);
+  guess.parameters << focal, focal, centre.x(), centre.y(), alpha, 0.0, 0.0;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    guess.poses.push_back(quick_pose(guess.parameters, views[v], frames[v]));
+  }
+  guess.score_px = robust_score(start_lens(), guess.parameters.data(), views, guess.poses);
+  return guess;
+}
+
+/// What is known of any lens before it is seen, as weak priors; `bent` frees the polynomial and the aspect ratio.
+LensBundleOptions search_options(ImageSize size, double scale_px, bool bent) {
+  LensBundleOptions options;
+  options.scale_px = scale_px;
+  options.prior_mean.setZero(start_lens().parameters);
+  options.prior_weight.setZero(start_lens().parameters);
+  const double centre_weight = 10.0 / size.width;
+  options.prior_mean.segment<2>(2) << 0.5 * (size.width - 1), 0.5 * (size.height - 1);
+  options.prior_weight.segment<2>(2).setConstant(centre_weight);
+  options.prior_mean[kAlpha] = 0.4;
+  options.prior_weight[kAlpha] = 3.0;
+  options.prior_weight.tail<2>().setConstant(bent ? 3.0 : 1e4);
+  options.aspect_weight = bent ? 20.0 : 1e4;
+  return options;
+}
+
+void refine(const std::vector<PointsInView>& views, ImageSize size, bool bent, int iterations, LensGuess& guess) {
+  LensBundleOptions options = search_options(size, std::max(1.5, 4.0 * guess.score_px), bent);
+  options.max_iterations = iterations;
+  refine_lens(start_lens(), views, options, guess.parameters, guess.poses);
+  guess.score_px = robust_score(start_lens(), guess.parameters.data(), views, guess.poses);
+}
+
+/// Keeps the best guesses that are not each other's neighbours in the sweep.
+std::vector<LensGuess> best_and_different(std::vector<LensGuess> guesses, std::size_t count) {
+  std::ranges::stable_sort(guesses, {}, &LensGuess::score_px);
+  std::vector<LensGuess> kept;
+  for (const LensGuess& guess : guesses) {
+    const bool near = std::ranges::any_of(kept, [&](const LensGuess& other) {
+      return std::abs(std::log(guess.parameters[0] / other.parameters[0])) < 0.25 &&
+             std::abs(guess.parameters[kAlpha] - other.parameters[kAlpha]) < 0.12;
+    });
+    if (!near) kept.push_back(guess);
+    if (kept.size() == count) break;
+  }
+  return kept;
+}
+
+}  // namespace
+
+double robust_score(const LensFunctions& lens, const double* parameters, const std::vector<PointsInView>& views,
+                    const std::vector<Rigid3>& poses) {
+  std::vector<double> of_views(views.size());
+  std::vector<double> distances;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    pixel_distances(lens, parameters, views[v], poses[v], distances);
+    for (double& distance : distances) distance = std::min(distance, kMaxDistancePx);
+    of_views[v] = mean_of_best(distances, 0.8);
+  }
+  return mean_of_best(of_views, 0.7);
+}
+
+std::vector<LensGuess> search_lens(const std::vector<PointsInView>& views, ImageSize size) {
+  std::vector<PrincipalFrame> frames;
+  for (const PointsInView& view : views) frames.push_back(principal_frame(view.points));
+  const Eigen::Vector2d centre(0.5 * (size.width - 1), 0.5 * (size.height - 1));
+  const double half_width = 0.5 * std::max(size.width, size.height);
+
+  std::vector<LensGuess> guesses;
+  for (const double alpha : {0.0, 0.3, 0.5, 0.6, 0.7, 0.85}) {
+    for (double focal = 0.2; focal < 5.0; focal *= 1.25) {
+      guesses.push_back(guess_with(alpha, focal * half_width, centre, views, frames));
+    }
+  }
+  guesses = best_and_different(std::move(guesses), 6);
+  for (LensGuess& guess : guesses) refine(views, size, false, 10, guess);
+  std::ranges::stable_sort(guesses, {}, &LensGuess::score_px);
+  if (guesses.size() > 3) guesses.resize(3);
+  for (LensGuess& guess : guesses) {
+    for (const int iterations : {10, 15, 20}) refine(views, size, true, iterations, guess);
+  }
+  std::ranges::stable_sort(guesses, {}, &LensGuess::score_px);
+  return guesses;
+}
+
+double focal_uncertainty(const std::vector<PointsInView>& views, ImageSize size, const LensGuess& guess) {
+  LensBundleOptions options = search_options(size, std::max(1.5, 4.0 * guess.score_px), false);
+  options.max_iterations = 0;
+  LensVector parameters = guess.parameters;
+  std::vector<Rigid3> poses = guess.poses;
+  LensMatrix information = refine_lens(start_lens(), views, options, parameters, poses).information;
+  const double sigma_px = std::max(guess.score_px, 0.05);
+  information /= sigma_px * sigma_px;
+  LensVector weight = options.prior_weight;
+  information.diagonal() += weight.cwiseAbs2();
+  // fx and fy move together: the relative size is their common scale.
+  const int n = start_lens().parameters;
+  LensMatrix reduced(n - 1, n - 1);
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxLensParameters, kMaxLensParameters> join =
+      LensMatrix::Zero(n, n - 1);
+  join(0, 0) = parameters[0];
+  join(1, 0) = parameters[1];
+  for (int k = 2; k < n; ++k) join(k, k - 1) = 1.0;
+  reduced = join.transpose() * information * join;
+  const LensVector scale = reduced.diagonal().cwiseMax(1e-30).cwiseSqrt().cwiseInverse();
+  const LensMatrix scaled = scale.asDiagonal() * reduced * scale.asDiagonal();
+  const LensVector first = scaled.ldlt().solve(LensVector::Unit(n - 1, 0));
+  return std::sqrt(std::max(first[0], 0.0)) * scale[0];
+}
+
+}  // namespace raybundle

@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "lens_bundle.hpp"
+
+namespace raybundle {
+
+/// A lens with the board poses that go with it.
+struct LensGuess {
+  LensVector parameters;
+  std::vector<Rigid3> poses;  ///< camera_from_target, aligned with the views
+  double score_px = 0.0;      ///< how far corners are off, without the worst corners and views
+};
+
+/// How well a lens and its poses explain the views [px]: mean over the best 70 % of views of the mean over the best 80
+/// % of their corners. Wrong corners and wrong views do not count, and there is no reward for leaving a corner out.
+double robust_score(const LensFunctions& lens, const double* parameters, const std::vector<PointsInView>& views,
+                    const std::vector<Rigid3>& poses);
+
+/// StartLens of the views: a sweep over focal lengths and profiles, from 30° to beyond 220°, with a linear pose for
+/// every view, then the best few refined with principal point, aspect ratio and a bent profile.
+///
+/// @param views  a selection: a dozen or two that differ, a few dozen corners in each, gross errors removed
+/// @return       best first, at least one; scores tell how far to trust them
+std::vector<LensGuess> search_lens(const std::vector<PointsInView>& views, ImageSize size);
+
+/// Relative standard deviation of the focal length when the poses and the profile are unknown too; large when all
+/// boards are parallel to the image, so that focal length and distance cannot be told apart.
+double focal_uncertainty(const std::vector<PointsInView>& views, ImageSize size, const LensGuess& guess);
+
+}  // namespace raybundle

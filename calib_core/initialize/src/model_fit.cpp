@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "model_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace raybundle {
+namespace {
+
+/// The shapes that a fit is started from.
+std::vector<LensVector> starting_shapes(ModelId model) {
+  return with_model(model, []<CameraModel M>() {
+    std::vector<LensVector> shapes;
+    const auto add = [&](const auto& shape) {
+      LensVector values(kShapeSize<M>);
+      for (int k = 0; k < kShapeSize<M>; ++k) values[k] = shape[static_cast<std::size_t>(k)];
+      shapes.push_back(values);
+    };
+    add(M::kStartShape);
+    for (const auto& example : M::kExamples) add(example.shape);
+    return shapes;
+  });
+}
+
+/// Focal lengths that fit best for a given shape and principal point: linear in each axis.
+void fit_focal_lengths(const LensFunctions& lens, const PointsInView& samples, LensVector& parameters) {
+  LensVector unit = parameters;
+  unit.head<4>() << 1, 1, 0, 0;
+  Eigen::Array2d products = Eigen::Array2d::Zero();
+  Eigen::Array2d squares = Eigen::Array2d::Zero();
+  Eigen::Vector2d plane;
+  const double reach = 4.0;  // a ray almost at 90° must not rule a rectilinear fit
+  for (std::size_t i = 0; i < samples.points.size(); ++i) {
+    if (!lens.project(unit.data(), samples.points[i], plane) || !(plane.norm() < reach)) continue;
+    products += plane.array() * (samples.pixels[i] - parameters.segment<2>(2)).array();
+    squares += plane.array().square();
+  }
+  for (int axis = 0; axis < 2; ++axis) {
+    if (products[axis] > 0 && squares[axis] > 0) parameters[axis] = products[axis] / squares[axis];
+  }
+}
+
+double share_of_fit(const LensFunctions& lens, const PointsInView& samples, const LensVector& parameters,
+                    double scale_px) {
+  std::vector<double> distances;
+  pixel_distances(lens, parameters.data(), samples, Rigid3{}, distances);
+  double cost = 0.0;
+  for (const double distance : distances) cost += std::min(distance, scale_px);
+  return cost / static_cast<double>(distances.size());
+}
+
+}  // namespace
+
+LensBundleOptions model_options(ModelId model, const LensVector& mean, double scale_px) {
+  LensBundleOptions options;
+  options.scale_px = scale_px;
+  options.prior_mean = mean;
+  const LensVector neutral = starting_shapes(model).front();
+  options.prior_mean.tail(neutral.size()) = neutral;
+  options.prior_weight = LensVector::Zero(mean.size());
+  options.prior_weight.tail(neutral.size()).setConstant(0.3);
+  options.aspect_weight = 10.0;
+  return options;
+}
+
+LensVector fit_model(ModelId model, const PointsInView& samples, const LensVector& guess_fx_fy_cx_cy) {
+  const LensFunctions lens = lens_functions(model);
+  LensVector best;
+  double best_cost = std::numeric_limits<double>::infinity();
+  for (const LensVector& shape : starting_shapes(model)) {
+    LensVector parameters(lens.parameters);
+    parameters.head<4>() = guess_fx_fy_cx_cy.head<4>();
+    parameters.tail(shape.size()) = shape;
+    fit_focal_lengths(lens, samples, parameters);
+    std::vector<Rigid3> here(1);
+    double scale_px = 100.0;
+    for (; scale_px > 1.0; scale_px *= 0.3) {
+      LensBundleOptions options = model_options(model, parameters, scale_px);
+      options.max_iterations = 15;
+      options.poses_fixed = true;
+      refine_lens(lens, {samples}, options, parameters, here);
+    }
+    const double cost = share_of_fit(lens, samples, parameters, 20.0);
+    if (cost < best_cost) {
+      best_cost = cost;
+      best = parameters;
+    }
+  }
+  return best;
+}
+
+}  // namespace raybundle

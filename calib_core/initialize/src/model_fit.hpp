@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "lens_bundle.hpp"
+
+namespace raybundle {
+
+/// Parameters of a camera model that put rays where they were seen: fitted from the model's start and example shapes,
+/// the best kept. Rays that the model cannot project do not count; a model that cannot describe the lens gets its best
+/// fit.
+///
+/// @param samples  rays in the camera (as points) and their pixels
+LensVector fit_model(ModelId model, const PointsInView& samples, const LensVector& guess_fx_fy_cx_cy);
+
+/// Weak priors towards the model's start shape, so that terms that the data does not show stay small.
+LensBundleOptions model_options(ModelId model, const LensVector& mean, double scale_px);
+
+}  // namespace raybundle

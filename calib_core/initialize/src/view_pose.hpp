@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "lens_bundle.hpp"
+#include "raybundle/scene/problem.hpp"
+
+namespace raybundle {
+
+/// The pose of one view and how well it fits.
+struct ViewPose {
+  Rigid3 camera_from_target;
+  int fitting = 0;         ///< corners within the threshold
+  double median_px = 0.0;  ///< distance of all corners; infinite when most are not projected
+};
+
+/// Corners of a view with the points they belong to.
+PointsInView points_in_view(const Target& target, const TargetView& view);
+
+/// Robust pose under a known lens: RANSAC on rays, then least squares in pixels.
+std::optional<ViewPose> view_pose(const LensFunctions& lens, const double* parameters, const PointsInView& view,
+                                  double threshold_px);
+
+/// Fewest corners that must fit for a pose to be believed: four fix it, the rest confirm it.
+int corners_needed(std::size_t corners);
+
+/// Why a pose that view_pose found (or did not find) is not believed; empty when it is.
+std::string reason_against(const std::optional<ViewPose>& pose, const PointsInView& view, double threshold_px);
+
+}  // namespace raybundle

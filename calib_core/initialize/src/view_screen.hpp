@@ -1,0 +1,21 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "lens_bundle.hpp"
+
+namespace raybundle {
+
+/// The corners of a view that agree with their neighbours on the board: where a lens is smooth, a corner lies near the
+/// place that an affine map of its neighbours predicts. Needs no lens; removes gross errors only.
+PointsInView screened(const PointsInView& view);
+
+/// At most `count` corners of a view, spread over it: the extreme ones first.
+PointsInView thinned(const PointsInView& view, std::size_t count);
+
+/// Indices of at most `count` views that differ most from each other in place and size, the fullest first.
+std::vector<std::size_t> spread_views(const std::vector<PointsInView>& views, std::size_t count);
+
+}  // namespace raybundle
