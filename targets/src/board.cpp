@@ -67,10 +67,9 @@ void check_board(const AprilGrid& board) {
     refuse(fmt::format("border_bits must be 2 (Kalibr) or 1 (AprilTag), not {}", board.border_bits));
   }
   const int tags = tag_family_named(board.family)->bytesList.rows;
-  if (board.first_tag < 0 || board.first_tag + board.columns * board.rows > tags) {
-    refuse(fmt::format("a {}x{} grid whose first_tag is {} needs tags up to {}, but family {} has {}", board.columns,
-                       board.rows, board.first_tag, board.first_tag + board.columns * board.rows - 1, board.family,
-                       tags));
+  if (board.first_tag < 0 || board.columns * board.rows > tags - board.first_tag) {
+    refuse(fmt::format("a {}x{} grid from first_tag {} on needs {} tags, but family {} has codes 0 to {}",
+                       board.columns, board.rows, board.first_tag, board.columns * board.rows, board.family, tags - 1));
   }
 }
 
