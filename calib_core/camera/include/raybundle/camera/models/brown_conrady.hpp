@@ -20,9 +20,9 @@ struct BrownConrady : DistortedPinhole<5> {
   static constexpr std::string_view kName = "brown_conrady";
   static constexpr std::array<std::string_view, 5> kShapeNames{"k1", "k2", "p1", "p2", "k3"};
   static constexpr std::array<double, 5> kStartShape{};
-  static constexpr std::array kExamples{ExampleShape<5>{{{-0.28, 0.07, 0.0002, -0.0003, 0.0}}, 0.6},
-                                        ExampleShape<5>{{{0.12, -0.2, 0.001, -0.002, 0.11}}, 0.7},
-                                        ExampleShape<5>{{{-0.05, 0.02, -0.001, 0.0005, 0.004}}, 1.1}};
+  static constexpr std::array kExamples{ExampleShape<5>{{-0.35, 0.05, 0.0002, -0.0003, 0.0}, 0.6},
+                                        ExampleShape<5>{{0.12, -0.2, 0.001, -0.002, 0.11}, 0.7},
+                                        ExampleShape<5>{{-0.05, 0.02, -0.001, 0.0005, 0.004}, 1.1}};
   static constexpr std::array kForeignNames{
       ForeignName{"opencv", "plumb_bob"},      ForeignName{"ros", "plumb_bob"},
       ForeignName{"kalibr", "pinhole-radtan"}, ForeignName{"mrcal", "LENSMODEL_OPENCV5"},

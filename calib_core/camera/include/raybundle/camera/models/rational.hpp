@@ -20,9 +20,9 @@ struct Rational : DistortedPinhole<8> {
   static constexpr std::string_view kName = "rational";
   static constexpr std::array<std::string_view, 8> kShapeNames{"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
   static constexpr std::array<double, 8> kStartShape{};
-  static constexpr std::array kExamples{ExampleShape<8>{{{0.9, 0.05, 0.0003, -0.0002, 0.0005, 1.25, 0.25, 0.01}}, 1.1},
-                                        ExampleShape<8>{{{-0.2, 0.3, 0.001, -0.001, 0.02, 0.1, 0.25, 0.03}}, 0.8},
-                                        ExampleShape<8>{{{4.1, 1.1, -0.0002, 0.0001, 0.03, 4.5, 2.4, 0.3}}, 1.2}};
+  static constexpr std::array kExamples{ExampleShape<8>{{0.9, 0.05, 0.0003, -0.0002, 0.0005, 1.25, 0.25, 0.01}, 1.1},
+                                        ExampleShape<8>{{-0.2, 0.3, 0.001, -0.001, 0.02, 0.1, 0.25, 0.03}, 0.8},
+                                        ExampleShape<8>{{4.1, 1.1, -0.0002, 0.0001, 0.03, 4.5, 2.4, 0.3}, 1.2}};
   static constexpr std::array kForeignNames{
       ForeignName{"opencv", "rational_polynomial"}, ForeignName{"ros", "rational_polynomial"},
       ForeignName{"mrcal", "LENSMODEL_OPENCV8"}, ForeignName{"colmap", "FULL_OPENCV"}};

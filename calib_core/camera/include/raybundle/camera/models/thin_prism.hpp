@@ -22,8 +22,8 @@ struct ThinPrism : DistortedPinhole<12> {
                                                                 "k5", "k6", "s1", "s2", "s3", "s4"};
   static constexpr std::array<double, 12> kStartShape{};
   static constexpr std::array kExamples{
-      ExampleShape<12>{{{0.9, 0.05, 0.0003, -0.0002, 0.0005, 1.25, 0.25, 0.01, 0.0008, -0.0001, -0.0006, 0.0002}}, 1.1},
-      ExampleShape<12>{{{-0.2, 0.3, 0.001, -0.001, 0.02, 0.1, 0.25, 0.03, -0.002, 0.001, 0.003, -0.001}}, 0.8}};
+      ExampleShape<12>{{0.9, 0.05, 0.0003, -0.0002, 0.0005, 1.25, 0.25, 0.01, 0.0008, -0.0001, -0.0006, 0.0002}, 1.1},
+      ExampleShape<12>{{-0.2, 0.3, 0.001, -0.001, 0.02, 0.1, 0.25, 0.03, -0.002, 0.001, 0.003, -0.001}, 0.8}};
   static constexpr std::array kForeignNames{ForeignName{"opencv", "thin_prism"},
                                             ForeignName{"mrcal", "LENSMODEL_OPENCV12"}};
 };
