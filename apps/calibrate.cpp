@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "calibrate_job.hpp"
+#include "verbs.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+struct CalibrateFlags {
+  CalibrateJob job;
+  std::vector<std::string> fix, free, prior;
+};
+
+void add_rules(ParameterRule::Kind kind, const std::vector<std::string>& flags, std::vector<ParameterRule>& rules) {
+  for (const std::string& flag : flags) rules.push_back(rule_from_flag(kind, flag));
+}
+
+void declare(CLI::App& verb, CalibrateFlags& flags) {
+  CalibrateJob& job = flags.job;
+  add_input_flags(verb, job.input);
+  verb.add_option("-o,--output", job.output, "folder for calibration.json, report.json and report.html")
+      ->type_name("DIR")
+      ->capture_default_str();
+  verb.add_option("--start", job.start, "calibration.json to start from")->type_name("FILE");
+  verb.add_option("--fix", flags.fix, "keep a parameter, as 'left.cx=640', '*.k3=0' or '*.intrinsics' with --start")
+      ->type_name("NAME[=VALUE]")
+      ->allow_extra_args(false);
+  verb.add_option("--free", flags.free, "free a parameter again")->type_name("NAME")->allow_extra_args(false);
+  verb.add_option("--prior", flags.prior, "give a parameter a prior, as left.fx=500:5")
+      ->type_name("NAME=MEAN:SIGMA")
+      ->allow_extra_args(false);
+  verb.add_flag("!--no-predicted-corners", job.predict_corners, "leave out corners that only a first solve predicts");
+  verb.add_flag("--json", job.json, "print report.json instead of the summary");
+  CalibrateOptions::for_each_option(
+      job.options, [&]<typename T>(const char* name, const char* unit, const char* help, T& value) {
+        std::string flag = "--" + std::string(name);
+        std::ranges::replace(flag, '_', '-');
+        if (flag == "--threads") return;  // detection has the same flag
+        const std::string text = *unit == '\0' ? help : fmt::format("{} [{}]", help, unit);
+        verb.add_option(flag, value, text)->capture_default_str();
+      });
+}
+
+}  // namespace
+
+void add_calibrate_verb(CLI::App& app) {
+  auto flags = std::make_shared<CalibrateFlags>();
+  CLI::App* verb = app.add_subcommand("calibrate", "images or corners -> calibration.json, report.json, report.html");
+  declare(*verb, *flags);
+  verb->footer(
+      "Example (the stereo pairs of Debian's package opencv-doc):\n"
+      "  raybundle calibrate --target chessboard:9x6:25mm --camera left='left*.jpg' --camera right='right*.jpg' "
+      "--model brown_conrady -o out\n"
+      "The same from a file: raybundle calibrate dataset.toml -o out");
+  verb->callback([flags, &app] {
+    CalibrateJob& job = flags->job;
+    add_rules(ParameterRule::Kind::kFixed, flags->fix, job.rules);
+    add_rules(ParameterRule::Kind::kFree, flags->free, job.rules);
+    add_rules(ParameterRule::Kind::kPrior, flags->prior, job.rules);
+    job.command = "raybundle calibrate";
+    run_calibration(job);
+  });
+}
+
+}  // namespace raybundle::apps

@@ -1,0 +1,144 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "calibrate_job.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+
+#include "calibration_summary.hpp"
+#include "predicted_corners.hpp"
+#include "raybundle/calibrate/calibrate.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/io/calibration_file.hpp"
+#include "raybundle/io/hash.hpp"
+#include "raybundle/io/report_file.hpp"
+#include "raybundle/scene/atomic_file.hpp"
+#include "report_page.hpp"
+#include "terminal.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+// Found out before the work, not after it.
+void require_writable(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!error) {
+    const std::filesystem::path probe = std::filesystem::path(folder) / ".raybundle-probe";
+    write_file_whole(probe, "");
+    std::filesystem::remove(probe, error);
+    return;
+  }
+  throw Error(ErrorKind::kIo,
+              fmt::format("the output folder {} cannot be made: {}; choose another with -o", folder, error.message()));
+}
+
+void take_start(const std::string& path, CalibrationProblem& problem) {
+  const CalibrationFile start = read_calibration(path);
+  for (ProblemCamera& camera : problem.cameras) {
+    const RigCamera& known = camera_named(start.calibration, camera.name);
+    if (known.camera.model != camera.model) {
+      throw Error(ErrorKind::kBadInput, fmt::format("camera {} is a {} in {}, but --model says {}", camera.name,
+                                                    model_name(known.camera.model), path, model_name(camera.model)));
+    }
+    camera.parameters = known.camera.parameters;
+    camera.camera_from_rig = known.camera_from_rig;
+  }
+}
+
+void require_models(const DetectedImages& images) {
+  for (std::size_t c = 0; c < images.observations.models.size(); ++c) {
+    if (images.observations.models[c]) continue;
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("camera {} has no model; give --model, as in --model kannala_brandt for a fisheye",
+                            images.observations.problem.cameras[c].name));
+  }
+}
+
+void require_views(const DetectedImages& images) {
+  if (!images.observations.problem.views.empty()) return;
+  std::string message = fmt::format("no board was found in any of {} images", images.files.size());
+  for (const std::string& hint : images.hints) message += "; " + hint;
+  if (images.hints.empty()) message += "; are the board's kind and its size right (a chessboard counts inner corners)?";
+  throw Error(ErrorKind::kNotEnoughData, message);
+}
+
+Provenance provenance_of(const CalibrateJob& job, const CalibrateOptions& options, const DetectedImages& images) {
+  Provenance provenance;
+  provenance.command = job.command;
+  provenance.versions = {{"raybundle", RAYBUNDLE_VERSION}};
+  CalibrateOptions::for_each_option(options, [&](const char* name, const char*, const char*, const auto& value) {
+    provenance.options.emplace_back(name, fmt::format("{}", value));
+  });
+  if (!job.input.dataset.empty()) provenance.inputs.push_back({job.input.dataset, sha256_of_file(job.input.dataset)});
+  if (!job.input.observations.empty()) {
+    provenance.inputs.push_back({job.input.observations, sha256_of_file(job.input.observations)});
+  }
+  for (const ImageFile& file : images.files) provenance.inputs.push_back({file.path, sha256_of_file(file.path)});
+  return provenance;
+}
+
+// Seconds of the stages in the order of the work; the second solve, with the predicted corners, counts as `refine`.
+std::vector<StageTime> stages_of(double detect_seconds, const CalibrationResult& first, double refine_seconds) {
+  std::vector<StageTime> stages{{"detect", detect_seconds}};
+  for (const char* name : {"start", "solve"}) {
+    for (const StageTime& stage : first.stages) {
+      if (stage.name == name) stages.push_back(stage);
+    }
+  }
+  stages.push_back({"refine", refine_seconds});
+  for (const StageTime& stage : first.stages) {
+    if (stage.name == "uncertainty") stages.push_back(stage);
+  }
+  return stages;
+}
+
+}  // namespace
+
+void run_calibration(const CalibrateJob& job) {
+  Dataset dataset = dataset_of(job.input, true);
+  CalibrateOptions options = job.options;
+  options.threads = job.input.detect.threads;
+  require_writable(job.output);
+
+  DetectedImages images = observe(job.input, dataset);
+  require_models(images);
+  require_views(images);
+  for (const std::string& hint : images.hints) say_warning(hint);
+  CalibrationProblem& problem = images.observations.problem;
+  problem.rules = dataset.rules;
+  problem.rules.insert(problem.rules.end(), job.rules.begin(), job.rules.end());
+  if (!job.start.empty()) take_start(job.start, problem);
+
+  CalibrationResult result = calibrate(problem, options);
+  const CalibrationResult first = result;
+  const double refine_begin = now();
+  if (job.predict_corners && !images.files.empty()) {
+    const int added = add_predicted_corners(dataset, result, images, job.input.detect);
+    if (added > 0) result = calibrate(problem, options);
+  }
+  result.stages = stages_of(images.seconds, first, now() - refine_begin);
+
+  const double write_begin = now();
+  const std::filesystem::path folder(job.output);
+  const ReportExtra extra{images.unused, provenance_of(job, options, images)};
+  write_calibration(folder / "calibration.json", calibration_file(result, extra.provenance));
+  result.stages.push_back({"write", now() - write_begin});
+  const std::string report = text_from_report(problem, result, extra);
+  write_file_whole(folder / "report.json", report);
+  write_file_whole(folder / "report.html", report_page(report));
+
+  if (job.json) {
+    fmt::print("{}\n", report);
+    return;
+  }
+  fmt::print("{}", summary_text(problem, result, images.unused));
+  fmt::print("\nwrote {0}/calibration.json, {0}/report.json\nlook  {0}/report.html\n", job.output);
+  fmt::print("next  raybundle validate {}/calibration.json --target BOARD --camera NAME=OTHER_IMAGES\n", job.output);
+}
+
+}  // namespace raybundle::apps

@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "input_flags.hpp"
+#include "raybundle/scene/result.hpp"
+
+namespace raybundle::apps {
+
+/// Everything that `calibrate` is told.
+struct CalibrateJob {
+  InputFlags input;
+  CalibrateOptions options;
+  std::vector<ParameterRule> rules;
+  std::string start;  ///< a calibration.json whose values the cameras of the same names start from
+  bool predict_corners = true;
+  std::string output = "calibration";  ///< folder
+  bool json = false;
+  std::string command;  ///< for the provenance
+};
+
+/// From images or observations to calibration.json, report.json and report.html, with a summary on stdout.
+void run_calibration(const CalibrateJob& job);
+
+}  // namespace raybundle::apps

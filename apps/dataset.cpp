@@ -1,0 +1,212 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "dataset.hpp"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <cmath>
+#include <filesystem>
+#include <set>
+
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/scene/csv.hpp"
+#include "raybundle/scene/suggestion.hpp"
+#include "raybundle/targets/board_toml.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+// Reads one table and remembers which keys it knows, so that the others can be refused.
+class TableReader {
+ public:
+  TableReader(const toml::table& table, std::string name, std::string file)
+      : table_(table), name_(std::move(name)), file_(std::move(file)) {}
+
+  [[noreturn]] void fail(const toml::node* node, const std::string& message) const {
+    const auto line = (node != nullptr ? node->source() : table_.source()).begin.line;
+    throw Error(ErrorKind::kBadInput, message, fmt::format("{}:{}", file_, line));
+  }
+
+  const toml::node* get(const std::string& key) {
+    known_.push_back(key);
+    return table_.get(key);
+  }
+
+  template <typename T>
+  std::optional<T> value(const std::string& key, const char* what) {
+    const toml::node* node = get(key);
+    if (node == nullptr) return std::nullopt;
+    const std::optional<T> value = node->value<T>();
+    if (!value) fail(node, fmt::format("{}.{} must be {}", name_, key, what));
+    return value;
+  }
+
+  std::string text(const std::string& key) {
+    const std::optional<std::string> found = value<std::string>(key, "a text in quotes");
+    if (!found || found->empty()) fail(nullptr, fmt::format("{} needs a field '{}'", name_, key));
+    return *found;
+  }
+
+  std::vector<std::string> texts(const std::string& key) {
+    const toml::node* node = get(key);
+    if (node == nullptr) fail(nullptr, fmt::format("{} needs a field '{}'", name_, key));
+    if (node->is_string()) return {**node->as_string()};
+    std::vector<std::string> all;
+    if (const toml::array* array = node->as_array()) {
+      for (const toml::node& entry : *array) {
+        if (!entry.is_string()) fail(&entry, fmt::format("{}.{} must be a text or a list of texts", name_, key));
+        all.push_back(**entry.as_string());
+      }
+    }
+    if (all.empty()) fail(node, fmt::format("{}.{} must be a text or a list of texts", name_, key));
+    return all;
+  }
+
+  void refuse_unknown_keys() const {
+    for (const auto& [key, node] : table_) {
+      const std::string name(key.str());
+      if (std::ranges::find(known_, name) != known_.end()) continue;
+      fail(&node, fmt::format("{} has an unknown field '{}'.{}", name_, name, did_you_mean(name, known_)));
+    }
+  }
+
+ private:
+  const toml::table& table_;
+  std::string name_, file_;
+  std::vector<std::string> known_;
+};
+
+// The tables under a key that may be written once, [key], or several times, [[key]].
+std::vector<const toml::table*> tables(TableReader& root, const std::string& key) {
+  const toml::node* node = root.get(key);
+  std::vector<const toml::table*> found;
+  if (node == nullptr) return found;
+  if (const toml::table* table = node->as_table()) return {table};
+  if (const toml::array* array = node->as_array()) {
+    for (const toml::node& entry : *array) found.push_back(entry.as_table());
+  }
+  if (found.empty() || std::ranges::find(found, nullptr) != found.end()) {
+    root.fail(node, fmt::format("'{0}' must be a section, [{0}] or [[{0}]]", key));
+  }
+  return found;
+}
+
+DatasetCamera camera_from(const toml::table& table, const std::string& file) {
+  TableReader reader(table, "[[camera]]", file);
+  DatasetCamera camera{reader.text("name"), reader.texts("images"), reader.text("model")};
+  reader.refuse_unknown_keys();
+  model_from_name(camera.model, fmt::format("{}:{}", file, table.source().begin.line));
+  return camera;
+}
+
+DatasetBoard board_from(const toml::table& table, const std::string& file, std::size_t index) {
+  const std::string folder = std::filesystem::path(file).parent_path().string();
+  const std::string fallback = index == 0 ? "board" : fmt::format("board{}", index + 1);
+  return {table["name"].value_or(fallback), board_from_toml(table, file, folder, {"name"})};
+}
+
+ParameterRule rule_from(const toml::table& table, const std::string& file) {
+  TableReader reader(table, "[[parameter]]", file);
+  ParameterRule rule;
+  rule.pattern = reader.text("name");
+  const std::optional<double> fixed = reader.value<double>("fixed", "a number");
+  const std::optional<double> prior = reader.value<double>("prior", "a number");
+  const std::optional<double> sigma = reader.value<double>("sigma", "a number");
+  const std::optional<bool> free = reader.value<bool>("free", "true or false");
+  reader.refuse_unknown_keys();
+  if (fixed.has_value() + prior.has_value() + free.has_value() != 1 || prior.has_value() != sigma.has_value()) {
+    reader.fail(nullptr, "[[parameter]] needs one of: fixed = VALUE; prior = MEAN with sigma = SIGMA; free = true");
+  }
+  rule.kind = prior          ? ParameterRule::Kind::kPrior
+              : fixed        ? ParameterRule::Kind::kFixed
+              : free.value() ? ParameterRule::Kind::kFree
+                             : ParameterRule::Kind::kFixed;
+  rule.value = fixed ? fixed : prior;
+  rule.sigma = sigma.value_or(0.0);
+  return rule;
+}
+
+void read_options(const toml::table& table, const std::string& file, CalibrateOptions& options) {
+  TableReader reader(table, "[calibrate]", file);
+  CalibrateOptions::for_each_option(options, [&]<typename T>(const char* name, const char*, const char*, T& value) {
+    constexpr const char* kWhat = std::is_same_v<T, bool> ? "true or false" : "a number";
+    if (const std::optional<T> found = reader.value<T>(name, kWhat)) value = *found;
+  });
+  reader.refuse_unknown_keys();
+}
+
+double number(const std::string& text, const std::string& flag) {
+  std::size_t end = 0;
+  double value = std::nan("");
+  try {
+    value = std::stod(text, &end);
+  } catch (const std::exception&) {
+  }
+  if (end != text.size() || !std::isfinite(value)) {
+    throw Error(ErrorKind::kBadInput, fmt::format("'{}' is not a number in '{}'", text, flag));
+  }
+  return value;
+}
+
+}  // namespace
+
+ModelId model_from_name(const std::string& name, const std::string& where) {
+  if (const std::optional<ModelId> model = model_named(name)) return *model;
+  std::vector<std::string> names;
+  for (std::string_view known : model_names()) names.emplace_back(known);
+  throw Error(ErrorKind::kBadInput, fmt::format("there is no camera model '{}'.{}", name, did_you_mean(name, names)),
+              where);
+}
+
+Dataset dataset_from_text(const std::string& text, const std::string& path) {
+  toml::table root;
+  try {
+    root = toml::parse(text, path);
+  } catch (const toml::parse_error& error) {
+    throw Error(ErrorKind::kBadInput, std::string(error.description()),
+                fmt::format("{}:{}", path, error.source().begin.line));
+  }
+  Dataset dataset;
+  dataset.folder = std::filesystem::path(path).parent_path().string();
+  TableReader reader(root, "the file", path);
+  for (const toml::table* table : tables(reader, "target")) {
+    dataset.boards.push_back(board_from(*table, path, dataset.boards.size()));
+  }
+  for (const toml::table* table : tables(reader, "camera")) dataset.cameras.push_back(camera_from(*table, path));
+  for (const toml::table* table : tables(reader, "parameter")) dataset.rules.push_back(rule_from(*table, path));
+  for (const toml::table* table : tables(reader, "calibrate")) read_options(*table, path, dataset.options);
+  reader.refuse_unknown_keys();
+  if (dataset.boards.empty()) reader.fail(nullptr, "there is no [target] section; say which board was used");
+  if (dataset.cameras.empty()) reader.fail(nullptr, "there is no [[camera]] section; say where the images are");
+  return dataset;
+}
+
+Dataset read_dataset(const std::string& path) { return dataset_from_text(text_of_file(path), path); }
+
+DatasetCamera camera_from_flag(const std::string& flag, const std::string& model) {
+  const std::size_t equals = flag.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == flag.size()) {
+    throw Error(ErrorKind::kBadInput, fmt::format("--camera '{}' must be NAME='IMAGES', as in left='left*.jpg'", flag));
+  }
+  return {flag.substr(0, equals), {flag.substr(equals + 1)}, model};
+}
+
+ParameterRule rule_from_flag(ParameterRule::Kind kind, const std::string& flag) {
+  ParameterRule rule{flag, kind, {}, 0.0};
+  const std::size_t equals = flag.find('=');
+  rule.pattern = flag.substr(0, equals);
+  const std::string value = equals == std::string::npos ? "" : flag.substr(equals + 1);
+  if (kind == ParameterRule::Kind::kFixed && !value.empty()) rule.value = number(value, flag);
+  if (kind == ParameterRule::Kind::kPrior) {
+    const std::size_t colon = value.find(':');
+    if (colon == std::string::npos) {
+      throw Error(ErrorKind::kBadInput, fmt::format("--prior '{}' must be NAME=MEAN:SIGMA, as in left.fx=500:5", flag));
+    }
+    rule.value = number(value.substr(0, colon), flag);
+    rule.sigma = number(value.substr(colon + 1), flag);
+  }
+  return rule;
+}
+
+}  // namespace raybundle::apps

@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "raybundle/calibrate/calibrate.hpp"
+#include "raybundle/scene/problem.hpp"
+#include "raybundle/targets/board.hpp"
+
+namespace raybundle::apps {
+
+/// A board of a data set; the name tells several boards apart.
+struct DatasetBoard {
+  std::string name;
+  Board board;
+};
+
+/// A camera of a data set and where its images are.
+struct DatasetCamera {
+  std::string name;
+  std::vector<std::string>
+      images;         ///< paths or patterns with * and ?, relative to the folder; videos are lists of frames
+  std::string model;  ///< may be empty when only detecting
+};
+
+/// What a person writes: boards, cameras, images, options. The TOML form is shown in DESIGN and
+/// docs/formats/dataset.md.
+struct Dataset {
+  std::string folder;  ///< that image patterns are relative to
+  std::vector<DatasetBoard> boards;
+  std::vector<DatasetCamera> cameras;
+  std::vector<ParameterRule> rules;
+  CalibrateOptions options;
+};
+
+/// Reads dataset.toml.
+///
+/// @throws Error(kBadInput) `file:line: ...` for malformed TOML, unknown keys (with "did you mean") and missing fields
+Dataset read_dataset(const std::string& path);
+Dataset dataset_from_text(const std::string& text, const std::string& path);
+
+/// The camera of `--camera NAME=PATTERN`.
+DatasetCamera camera_from_flag(const std::string& flag, const std::string& model);
+
+/// The rule of `--fix PATTERN[=VALUE]`, `--free PATTERN` or `--prior PATTERN=MEAN:SIGMA`.
+ParameterRule rule_from_flag(ParameterRule::Kind kind, const std::string& flag);
+
+/// The id of a model by name. Throws Error(kBadInput) with "did you mean".
+ModelId model_from_name(const std::string& name, const std::string& where);
+
+}  // namespace raybundle::apps

@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <set>
+
+#include "input_flags.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "terminal.hpp"
+#include "verbs.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+struct DetectFlags {
+  InputFlags input;
+  std::string output = "observations.json";
+};
+
+std::string found_table(const DetectedImages& images) {
+  const CalibrationProblem& problem = images.observations.problem;
+  std::vector<std::vector<std::string>> rows{{"camera", "images", "boards found", "full", "corners"}};
+  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
+    int found = 0, full = 0;
+    std::size_t corners = 0;
+    for (const TargetView& view : problem.views) {
+      if (view.camera != c) continue;
+      ++found;
+      full += view.observations.size() == problem.targets[view.target].points.size();
+      corners += view.observations.size();
+    }
+    const auto files = std::ranges::count(images.files, c, &ImageFile::camera);
+    rows.push_back({problem.cameras[c].name, fmt::format("{}", files), fmt::format("{}", found),
+                    fmt::format("{}", full), fmt::format("{}", corners)});
+  }
+  return text_table(rows);
+}
+
+void run(const DetectFlags& flags) {
+  const DetectedImages images = observe(flags.input, dataset_of(flags.input, false));
+  write_observations(flags.output, images.observations);
+  for (const std::string& hint : images.hints) say_warning(hint);
+  constexpr std::size_t kMostLines = 8;
+  for (std::size_t i = 0; i < std::min(images.unused.size(), kMostLines); ++i) {
+    say(images.unused[i].image + ": " + images.unused[i].reason);
+  }
+  if (images.unused.size() > kMostLines) say(fmt::format("and {} more", images.unused.size() - kMostLines));
+  fmt::print("{}", found_table(images));
+  fmt::print("\nwrote {0} ({1:.2f} s)\nnext  raybundle calibrate --observations {0} --model MODEL\n", flags.output,
+             images.seconds);
+  if (images.observations.problem.views.empty()) {
+    throw Error(ErrorKind::kNotEnoughData, fmt::format("no board was found in any of {} images", images.files.size()));
+  }
+}
+
+}  // namespace
+
+void add_detect_verb(CLI::App& app) {
+  auto flags = std::make_shared<DetectFlags>();
+  CLI::App* verb = app.add_subcommand("detect", "images -> observations.json: where each corner of the board is");
+  add_input_flags(*verb, flags->input);
+  verb->add_option("-o,--output", flags->output, "file to write")->type_name("FILE")->capture_default_str();
+  verb->footer(
+      "Example:\n"
+      "  raybundle detect --target chessboard:9x6:25mm --camera left='left*.jpg' -o observations.json");
+  verb->callback([flags] { run(*flags); });
+}
+
+}  // namespace raybundle::apps

@@ -1,0 +1,149 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "detect_images.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <set>
+
+#include "detection_cache.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/io/hash.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+std::vector<Board> boards_of(const Dataset& dataset) {
+  std::vector<Board> boards;
+  for (const DatasetBoard& board : dataset.boards) boards.push_back(board.board);
+  return boards;
+}
+
+// Detections of all frames of all files, from the cache where it has them. Aligned with files.
+std::vector<std::vector<CachedFrame>> detect_files(const Dataset& dataset, const DetectOptions& options,
+                                                   std::vector<ImageFile>& files,
+                                                   std::vector<std::string>& unreadable) {
+  const std::vector<Board> boards = boards_of(dataset);
+  std::vector<std::vector<CachedFrame>> found(files.size());
+  std::vector<std::string> keys(files.size());
+  std::vector<ImageFile> todo;
+  std::vector<std::size_t> index;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    keys[i] = cache_key(sha256_of_file(files[i].path), boards);
+    std::optional<std::vector<CachedFrame>> cached;
+    if (options.use_cache) cached = read_cached(keys[i]);
+    if (cached) {
+      found[i] = std::move(*cached);
+      if (!files[i].video && found[i].size() == 1) found[i][0].frame = files[i].frame;  // the name is not the content
+    } else {
+      todo.push_back(files[i]);
+      index.push_back(i);
+    }
+  }
+  const std::vector<std::string> reasons = for_each_frame(
+      todo, options.threads, "detecting", [&](std::size_t t, const cv::Mat& gray, const std::string& frame) {
+        CachedFrame entry{frame, gray.cols, gray.rows, {}};
+        for (const Board& board : boards) entry.boards.push_back(detect(board, gray));
+        found[index[t]].push_back(std::move(entry));
+      });
+  unreadable.assign(files.size(), "");
+  for (std::size_t t = 0; t < todo.size(); ++t) {
+    unreadable[index[t]] = reasons[t];
+    if (reasons[t].empty() && options.use_cache) write_cached(keys[index[t]], found[index[t]]);
+  }
+  return found;
+}
+
+// The size of all images of a camera. The file with another size than the first is named.
+void check_size(ImageSize& size, const CachedFrame& frame, const std::string& camera, const std::string& path,
+                std::string& first_path) {
+  const ImageSize this_size{frame.width, frame.height};
+  if (size == ImageSize{}) {
+    size = this_size;
+    first_path = path;
+  }
+  if (size == this_size) return;
+  throw Error(ErrorKind::kBadInput,
+              fmt::format("camera {} has images of different sizes: {} is {}x{}, {} is {}x{}; give each its own camera",
+                          camera, first_path, size.width, size.height, path, this_size.width, this_size.height));
+}
+
+// Names of frames in the order in which a person would count them.
+std::vector<std::string> frames_in_order(const std::set<std::string>& names) {
+  std::vector<std::string> frames(names.begin(), names.end());
+  std::ranges::sort(frames, [](const std::string& a, const std::string& b) {
+    const int order = strverscmp(a.c_str(), b.c_str());
+    return order != 0 ? order < 0 : a < b;
+  });
+  return frames;
+}
+
+int index_of(const std::vector<std::string>& names, const std::string& name) {
+  return static_cast<int>(std::ranges::find(names, name) - names.begin());
+}
+
+std::string describe_miss(const Detection& detection) {
+  if (!detection.hint.empty()) return "no board found: " + detection.hint;
+  if (!detection.observations.empty()) return fmt::format("only {} corners found", detection.observations.size());
+  return "no board found";
+}
+
+constexpr std::size_t kFewestCorners = 4;
+
+}  // namespace
+
+DetectedImages detect_images(const Dataset& dataset, const DetectOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  DetectedImages images;
+  for (int c = 0; c < static_cast<int>(dataset.cameras.size()); ++c) {
+    const std::vector<ImageFile> files = image_files(c, dataset.folder, dataset.cameras[c].images);
+    images.files.insert(images.files.end(), files.begin(), files.end());
+  }
+  std::vector<std::string> unreadable;
+  const std::vector<std::vector<CachedFrame>> found = detect_files(dataset, options, images.files, unreadable);
+
+  CalibrationProblem& problem = images.observations.problem;
+  for (const DatasetBoard& board : dataset.boards) {
+    problem.targets.push_back(target_of(board.board));
+    problem.targets.back().name = board.name;
+  }
+  std::set<std::string> frame_names;
+  for (const auto& frames : found) {
+    for (const CachedFrame& frame : frames) frame_names.insert(frame.frame);
+  }
+  problem.frames = frames_in_order(frame_names);
+  for (const DatasetCamera& camera : dataset.cameras) {
+    std::optional<ModelId> model;
+    if (!camera.model.empty()) model = model_from_name(camera.model, "camera " + camera.name);
+    images.observations.models.push_back(model);
+    problem.cameras.push_back({camera.name, model.value_or(ModelId{}), {}, {}, {}});
+  }
+  std::vector<std::string> first_paths(dataset.cameras.size());
+  std::set<std::string> hints;
+  for (std::size_t i = 0; i < images.files.size(); ++i) {
+    const ImageFile& file = images.files[i];
+    const std::string& camera = dataset.cameras[file.camera].name;
+    if (!unreadable[i].empty()) images.unused.push_back({camera, file.frame, file.path, unreadable[i]});
+    for (const CachedFrame& frame : found[i]) {
+      check_size(problem.cameras[file.camera].size, frame, camera, file.path, first_paths[file.camera]);
+      bool any = false;
+      for (std::size_t b = 0; b < frame.boards.size(); ++b) {
+        const Detection& detection = frame.boards[b];
+        if (!detection.hint.empty()) hints.insert(detection.hint);
+        if (detection.observations.size() < kFewestCorners) continue;
+        any = true;
+        problem.views.push_back({file.camera, index_of(problem.frames, frame.frame), static_cast<int>(b),
+                                 detection.observations, file.path});
+      }
+      if (!any) images.unused.push_back({camera, frame.frame, file.path, describe_miss(frame.boards.front())});
+    }
+  }
+  images.hints.assign(hints.begin(), hints.end());
+  images.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return images;
+}
+
+}  // namespace raybundle::apps

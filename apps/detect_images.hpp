@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "dataset.hpp"
+#include "image_files.hpp"
+#include "raybundle/io/observations_file.hpp"
+#include "raybundle/io/report_file.hpp"
+
+namespace raybundle::apps {
+
+/// What detection found in the images of a data set.
+struct DetectedImages {
+  ObservationsFile observations;  ///< rules and start values are still to be added to its problem
+  std::vector<ImageFile> files;
+  std::vector<UnusedImage> unused;
+  std::vector<std::string> hints;  ///< what may be set wrongly, without repetition
+  double seconds = 0.0;
+};
+
+struct DetectOptions {
+  int threads = 2;
+  bool use_cache = true;
+};
+
+/// Finds the boards of a data set in all of its images, on several threads, with progress; results are cached by the
+/// content of the image and the board.
+///
+/// @throws Error(kBadInput) for images of different sizes in one camera
+DetectedImages detect_images(const Dataset& dataset, const DetectOptions& options);
+
+}  // namespace raybundle::apps

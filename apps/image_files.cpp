@@ -1,0 +1,170 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "image_files.hpp"
+
+#include <fmt/format.h>
+#include <glob.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+#include <thread>
+
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/io/frame_names.hpp"
+#include "terminal.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+bool is_video(const std::string& path) {
+  static constexpr std::array kEndings{".mp4", ".avi", ".mkv", ".mov", ".webm"};
+  std::string ending = std::filesystem::path(path).extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return std::ranges::find(kEndings, ending) != kEndings.end();
+}
+
+std::vector<std::string> glob_files(const std::string& pattern) {
+  glob_t found{};
+  std::vector<std::string> files;
+  if (glob(pattern.c_str(), GLOB_TILDE | GLOB_BRACE, nullptr, &found) == 0) {
+    for (std::size_t i = 0; i < found.gl_pathc; ++i) {
+      if (std::filesystem::is_regular_file(found.gl_pathv[i])) files.emplace_back(found.gl_pathv[i]);
+    }
+  }
+  globfree(&found);
+  return files;
+}
+
+[[noreturn]] void refuse_empty(const std::string& pattern) {
+  const std::filesystem::path folder = std::filesystem::path(pattern).parent_path();
+  const std::string shown = folder.empty() ? "." : folder.string();
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(shown, ignored)) {
+    throw Error(ErrorKind::kIo, "no image matches '" + pattern + "': there is no folder " + shown);
+  }
+  std::string some;
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(shown, ignored)) {
+    if (++count <= 3) some += (some.empty() ? "" : ", ") + entry.path().filename().string();
+  }
+  throw Error(ErrorKind::kIo, fmt::format("no image matches '{}'; the folder holds {}", pattern,
+                                          count == 0 ? "nothing" : fmt::format("{} files such as {}", count, some)));
+}
+
+// JPEG and PNG say where they end; decoders fill what is missing with grey and go on.
+bool truncated(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(file)), {});
+  const std::string tail = bytes.size() > 64 ? bytes.substr(bytes.size() - 64) : bytes;
+  if (bytes.starts_with("\xff\xd8")) return bytes.rfind("\xff\xd9") == std::string::npos;
+  if (bytes.starts_with("\x89PNG")) return tail.find("IEND") == std::string::npos;
+  return false;
+}
+
+}  // namespace
+
+std::vector<std::string> matching_files(const std::string& folder, const std::vector<std::string>& patterns) {
+  std::vector<std::string> files;
+  for (const std::string& pattern : patterns) {
+    const std::string whole = (std::filesystem::path(folder) / pattern).string();
+    const std::vector<std::string> found = glob_files(whole);
+    if (found.empty()) refuse_empty(whole);
+    files.insert(files.end(), found.begin(), found.end());
+  }
+  std::ranges::sort(files, [](const std::string& a, const std::string& b) {
+    const int order = strverscmp(a.c_str(), b.c_str());
+    return order != 0 ? order < 0 : a < b;
+  });
+  files.erase(std::unique(files.begin(), files.end()), files.end());
+  return files;
+}
+
+std::vector<ImageFile> image_files(int camera, const std::string& folder, const std::vector<std::string>& patterns) {
+  const std::vector<std::string> paths = matching_files(folder, patterns);
+  const std::vector<std::string> names = frame_names(paths);
+  std::map<std::string, std::string> path_of_frame;
+  std::vector<ImageFile> files;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const bool video = is_video(paths[i]);
+    if (video && paths.size() > 1) {
+      throw Error(ErrorKind::kBadInput, "a camera has one video or many images, not several videos; see " + paths[i]);
+    }
+    const auto [before, is_new] = path_of_frame.insert({names[i], paths[i]});
+    if (!is_new) {
+      throw Error(ErrorKind::kBadInput, fmt::format("{} and {} would both be frame {}; narrow the image pattern",
+                                                    before->second, paths[i], names[i]));
+    }
+    files.push_back({camera, paths[i], video ? "" : names[i], video});
+  }
+  return files;
+}
+
+cv::Mat read_gray(const std::string& path, std::string& reason) {
+  if (truncated(path)) {
+    reason = "the image file is truncated";
+    return {};
+  }
+  cv::Mat image = cv::imread(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
+  if (image.empty()) reason = "not an image that can be decoded";
+  if (!image.empty() && image.depth() != CV_8U && image.depth() != CV_16U) image.convertTo(image, CV_8U);
+  return image;
+}
+
+std::string for_each_frame(const ImageFile& file,
+                           const std::function<void(const cv::Mat& gray, const std::string& frame)>& use) {
+  std::string reason;
+  if (!file.video) {
+    const cv::Mat gray = read_gray(file.path, reason);
+    if (!gray.empty()) use(gray, file.frame);
+    return reason;
+  }
+  cv::VideoCapture video(file.path);
+  cv::Mat image, gray;
+  int count = 0;
+  for (; video.read(image); ++count) {
+    cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
+    use(gray, std::to_string(count));
+  }
+  return count == 0 ? "not a video that can be decoded" : "";
+}
+
+std::vector<std::string> for_each_frame(
+    const std::vector<ImageFile>& files, int threads, const std::string& what,
+    const std::function<void(std::size_t file, const cv::Mat& gray, const std::string& frame)>& use) {
+  std::vector<std::string> reasons(files.size());
+  Progress progress(what, static_cast<int>(files.size()));
+  std::atomic<std::size_t> next{0};
+  std::mutex guard;
+  std::exception_ptr failure;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < files.size(); i = next++) {
+      try {
+        reasons[i] =
+            for_each_frame(files[i], [&](const cv::Mat& gray, const std::string& frame) { use(i, gray, frame); });
+      } catch (...) {
+        const std::scoped_lock lock(guard);
+        if (!failure) failure = std::current_exception();
+        next = files.size();
+      }
+      const std::scoped_lock lock(guard);
+      progress.advance();
+    }
+  };
+  std::vector<std::jthread> workers;
+  for (int t = 1; t < threads; ++t) workers.emplace_back(work);
+  work();
+  workers.clear();
+  if (failure) std::rethrow_exception(failure);
+  return reasons;
+}
+
+}  // namespace raybundle::apps

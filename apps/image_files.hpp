@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <vector>
+
+namespace raybundle::apps {
+
+/// One file of a camera: an image, or a video whose frames are numbered from 0.
+struct ImageFile {
+  int camera = 0;
+  std::string path;
+  std::string frame;  ///< name of the moment; empty for a video
+  bool video = false;
+};
+
+/// Files that match the patterns, sorted by name with numbers in numeric order.
+///
+/// @throws Error(kIo) when a pattern matches nothing: names the pattern and the folder, and what is there instead
+std::vector<std::string> matching_files(const std::string& folder, const std::vector<std::string>& patterns);
+
+/// The image files of one camera with their frame names.
+///
+/// @throws Error(kBadInput) when two files would be the same frame
+std::vector<ImageFile> image_files(int camera, const std::string& folder, const std::vector<std::string>& patterns);
+
+/// An 8- or 16-bit grey image; empty, with the reason set, when the file is truncated or no image.
+cv::Mat read_gray(const std::string& path, std::string& reason);
+
+/// Calls use(gray, frame) for the image, or for every frame of the video in order, with its frame name.
+///
+/// @return  the reason when the file cannot be read, else empty
+std::string for_each_frame(const ImageFile& file,
+                           const std::function<void(const cv::Mat& gray, const std::string& frame)>& use);
+
+/// The same for many files on several threads; `use` is called from all of them. Memory is bounded by the threads.
+///
+/// @param what  of the progress bar
+/// @return      aligned with files: why a file could not be read, or empty
+std::vector<std::string> for_each_frame(
+    const std::vector<ImageFile>& files, int threads, const std::string& what,
+    const std::function<void(std::size_t file, const cv::Mat& gray, const std::string& frame)>& use);
+
+}  // namespace raybundle::apps

@@ -1,0 +1,156 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "input_flags.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/io/observation_tables.hpp"
+#include "raybundle/targets/board_file.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+[[noreturn]] void refuse(const std::string& message) { throw Error(ErrorKind::kBadInput, message); }
+
+std::pair<std::string, std::string> name_and_value(const std::string& flag, const std::string& example) {
+  const std::size_t equals = flag.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == flag.size()) {
+    refuse(fmt::format("'{}' must be NAME=VALUE, as in {}", flag, example));
+  }
+  return {flag.substr(0, equals), flag.substr(equals + 1)};
+}
+
+std::map<std::string, ImageSize> sizes_of(const InputFlags& flags) {
+  std::map<std::string, ImageSize> sizes;
+  for (const std::string& flag : flags.sizes) {
+    const auto [name, text] = name_and_value(flag, "--image-size left=1280x960");
+    ImageSize size;
+    char end = 0;
+    if (std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &end) != 2 || size.width < 2 ||
+        size.height < 2 || size.width > 100000 || size.height > 100000) {
+      refuse(fmt::format("'{}' must be WIDTHxHEIGHT in pixels, as in --image-size {}=1280x960", flag, name));
+    }
+    sizes[name] = size;
+  }
+  return sizes;
+}
+
+void set_models(const std::vector<std::string>& flags, std::vector<DatasetCamera>& cameras) {
+  for (const std::string& flag : flags) {
+    const std::size_t equals = flag.find('=');
+    const std::string model = flag.substr(equals == std::string::npos ? 0 : equals + 1);
+    model_from_name(model, "--model");
+    bool known = equals == std::string::npos;
+    for (DatasetCamera& camera : cameras) {
+      if (equals != std::string::npos && camera.name != flag.substr(0, equals)) continue;
+      camera.model = model;
+      known = true;
+    }
+    if (!known) refuse(fmt::format("--model '{}' names a camera that does not exist", flag));
+  }
+}
+
+Board board_of(const std::string& text) {
+  return text.ends_with(".toml") ? read_board_toml(text) : board_from_word(text);
+}
+
+bool is_json(const std::string& path) { return path.ends_with(".json"); }
+
+Target named_target(const DatasetBoard& board) {
+  Target target = target_of(board.board);
+  target.name = board.name;
+  return target;
+}
+
+}  // namespace
+
+void add_input_flags(CLI::App& verb, InputFlags& flags) {
+  verb.add_option("dataset", flags.dataset, "dataset.toml: boards, cameras, images")->type_name("DATASET.toml");
+  verb.add_option("--target", flags.target, "the board, as chessboard:9x6:25mm, or its TOML file")->type_name("BOARD");
+  verb.add_option("--camera", flags.cameras, "a camera and its images, as left='left*.jpg'; repeat for each")
+      ->type_name("NAME=IMAGES")
+      ->allow_extra_args(false);
+  verb.add_option("--model", flags.models, "camera model of all cameras, or NAME=MODEL of one")
+      ->type_name("MODEL")
+      ->allow_extra_args(false);
+  verb.add_option("--observations", flags.observations, "corners found before: observations.json, .csv or .vnl")
+      ->type_name("FILE");
+  verb.add_option("--image-size", flags.sizes, "of a camera whose corners stand in a .csv or .vnl, as left=1280x960")
+      ->type_name("NAME=WxH")
+      ->allow_extra_args(false);
+  verb.add_option("--threads", flags.detect.threads, "worker threads; results do not depend on them")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  verb.add_flag("!--no-cache", flags.detect.use_cache, "detect again even when the images have been seen before");
+}
+
+Dataset dataset_of(const InputFlags& flags, bool need_models) {
+  Dataset dataset;
+  if (!flags.dataset.empty()) dataset = read_dataset(flags.dataset);
+  if (!flags.target.empty()) dataset.boards = {{"board", board_of(flags.target)}};
+  if (!flags.cameras.empty()) {
+    dataset.cameras.clear();
+    dataset.folder.clear();
+    for (const std::string& flag : flags.cameras) dataset.cameras.push_back(camera_from_flag(flag, ""));
+  }
+  if (!flags.observations.empty()) {
+    if (!is_json(flags.observations) && dataset.boards.empty()) {
+      refuse("corners without a board: give --target, as in --target chessboard:9x6:25mm");
+    }
+    if (flags.observations.ends_with(".csv")) {
+      for (const auto& [name, size] : sizes_of(flags)) dataset.cameras.push_back({name, {}, ""});
+    }
+    set_models(flags.models, dataset.cameras.empty() ? dataset.cameras : dataset.cameras);
+    return dataset;
+  }
+  if (dataset.boards.empty())
+    refuse("which board? Give a dataset.toml or --target, as in --target chessboard:9x6:25mm");
+  if (dataset.cameras.empty()) refuse("which images? Give a dataset.toml or --camera, as in --camera left='left*.jpg'");
+  set_models(flags.models, dataset.cameras);
+  for (const DatasetCamera& camera : dataset.cameras) {
+    if (need_models && camera.model.empty()) {
+      refuse(
+          fmt::format("camera {} has no model; give --model, as in --model kannala_brandt for a fisheye or --model "
+                      "brown_conrady for an ordinary lens",
+                      camera.name));
+    }
+  }
+  return dataset;
+}
+
+DetectedImages observe(const InputFlags& flags, const Dataset& dataset) {
+  if (flags.observations.empty()) return detect_images(dataset, flags.detect);
+  DetectedImages images;
+  ObservationsFile& file = images.observations;
+  if (is_json(flags.observations)) {
+    file = read_observations(flags.observations);
+  } else if (flags.observations.ends_with(".vnl")) {
+    const std::map<std::string, ImageSize> sizes = sizes_of(flags);
+    std::vector<VnlCamera> cameras;
+    for (const DatasetCamera& camera : dataset.cameras) {
+      const auto size = sizes.find(camera.name);
+      if (size == sizes.end()) refuse(fmt::format("give --image-size {}=WIDTHxHEIGHT", camera.name));
+      cameras.push_back({camera.name, camera.images.front(), size->second});
+    }
+    if (cameras.empty()) refuse("which images belong to which camera? Give --camera, as in --camera left='left*.jpg'");
+    file.problem = read_observations_vnl(flags.observations, named_target(dataset.boards.front()), cameras);
+  } else {
+    file.problem = read_observations_csv(flags.observations, named_target(dataset.boards.front()), sizes_of(flags));
+  }
+  file.models.resize(file.problem.cameras.size());
+  for (std::size_t c = 0; c < file.problem.cameras.size(); ++c) {
+    std::vector<DatasetCamera> one{{file.problem.cameras[c].name, {}, ""}};
+    for (const std::string& flag : flags.models) {
+      if (flag.find('=') == std::string::npos || flag.starts_with(one[0].name + "=")) set_models({flag}, one);
+    }
+    if (!one[0].model.empty()) file.models[c] = model_from_name(one[0].model, "--model");
+    if (file.models[c]) file.problem.cameras[c].model = *file.models[c];
+  }
+  return images;
+}
+
+}  // namespace raybundle::apps

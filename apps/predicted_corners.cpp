@@ -1,0 +1,117 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "predicted_corners.hpp"
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <set>
+#include <tuple>
+
+namespace raybundle::apps {
+namespace {
+
+using ViewKey = std::tuple<int, int, int>;  // camera, frame, target
+
+// All board points that the camera should see.
+std::vector<Observation> predict(const Camera& camera, const Rigid3& camera_from_target,
+                                 const CalibratedTarget& calibrated) {
+  const std::vector<Eigen::Vector3d> points = points_on_surface(calibrated.target, calibrated.shape);
+  const double max_angle = max_angle_rad(camera);
+  std::vector<Observation> predicted;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3d x = camera_from_target * points[i];
+    if (std::atan2(x.head<2>().norm(), x.z()) >= max_angle) continue;  // folds back into the image
+    const std::optional<Eigen::Vector2d> pixel = pixel_from_ray(camera, x);
+    const bool inside = pixel && pixel->x() > 0 && pixel->y() > 0 && pixel->x() < camera.size.width - 1 &&
+                        pixel->y() < camera.size.height - 1;
+    if (inside) predicted.push_back({calibrated.target.points[i].id, *pixel, 1.0});
+  }
+  return predicted;
+}
+
+// Where the board of a view stood: as the view itself told, or as another camera saw it at that moment.
+const BoardPose* pose_of(const CalibrationResult& result, const std::map<ViewKey, int>& views, const ViewKey& key) {
+  const auto view = views.find(key);
+  if (view != views.end()) {
+    const int pose = result.views[view->second].pose;
+    return pose >= 0 ? &result.poses[pose] : nullptr;
+  }
+  const auto other = std::ranges::find_if(result.poses, [&](const BoardPose& pose) {
+    return pose.frame == std::get<1>(key) && pose.target == std::get<2>(key);
+  });
+  return other != result.poses.end() ? &*other : nullptr;
+}
+
+// Adds those refined corners that the view does not have yet.
+int add_missing(TargetView& view, const std::vector<Observation>& refined) {
+  std::set<int> known;
+  for (const Observation& observation : view.observations) known.insert(observation.point_id);
+  int added = 0;
+  for (const Observation& observation : refined) {
+    if (!known.insert(observation.point_id).second) continue;
+    view.observations.push_back(observation);
+    ++added;
+  }
+  std::ranges::sort(view.observations, {}, &Observation::point_id);
+  return added;
+}
+
+}  // namespace
+
+int add_predicted_corners(const Dataset& dataset, const CalibrationResult& result, DetectedImages& images,
+                          const DetectOptions& options) {
+  CalibrationProblem& problem = images.observations.problem;
+  std::map<ViewKey, int> views;
+  for (std::size_t v = 0; v < problem.views.size(); ++v) {
+    views[{problem.views[v].camera, problem.views[v].frame, problem.views[v].target}] = static_cast<int>(v);
+  }
+  std::map<std::string, const RigCamera*> cameras;
+  for (const RigCamera& camera : result.calibration.cameras) cameras[camera.name] = &camera;
+  std::map<std::string, int> frames;
+  for (std::size_t f = 0; f < problem.frames.size(); ++f) frames[problem.frames[f]] = static_cast<int>(f);
+
+  struct Refined {
+    std::string image;
+    std::vector<Observation> corners;
+  };
+  std::mutex guard;
+  std::map<ViewKey, Refined> refined;
+  const auto refine = [&](std::size_t file, const cv::Mat& gray, const std::string& frame) {
+    const int c = images.files[file].camera;
+    const auto camera = cameras.find(problem.cameras[c].name);
+    if (camera == cameras.end()) return;
+    for (int t = 0; t < static_cast<int>(problem.targets.size()); ++t) {
+      const ViewKey key{c, frames.at(frame), t};
+      const BoardPose* pose = pose_of(result, views, key);
+      const auto view = views.find(key);
+      const std::size_t known = view == views.end() ? 0 : problem.views[view->second].observations.size();
+      if (pose == nullptr || known == problem.targets[t].points.size()) continue;
+      const RigCamera& rig_camera = *camera->second;
+      const std::vector<Observation> predicted =
+          predict(rig_camera.camera, rig_camera.camera_from_rig * pose->rig_from_target, result.calibration.targets[t]);
+      std::vector<Observation> corners = refine_predicted(dataset.boards[t].board, gray, predicted);
+      const std::scoped_lock lock(guard);
+      refined[key] = {images.files[file].path, std::move(corners)};
+    }
+  };
+  for_each_frame(images.files, options.threads, "refining", refine);
+
+  int added = 0;
+  for (const auto& [key, found] : refined) {
+    const auto view = views.find(key);
+    if (view != views.end()) {
+      added += add_missing(problem.views[view->second], found.corners);
+    } else if (found.corners.size() >= 4) {
+      problem.views.push_back({std::get<0>(key), std::get<1>(key), std::get<2>(key), found.corners, found.image});
+      added += static_cast<int>(found.corners.size());
+      std::erase_if(images.unused, [&](const UnusedImage& unused) {
+        return unused.camera == problem.cameras[std::get<0>(key)].name &&
+               unused.frame == problem.frames[std::get<1>(key)];
+      });
+    }
+  }
+  return added;
+}
+
+}  // namespace raybundle::apps

@@ -1,0 +1,94 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <CLI/App.hpp>
+#include <cstdio>
+#include <functional>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/io/calibration_file.hpp"
+#include "verbs.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+struct ProjectFlags {
+  std::string calibration;
+  std::string camera;
+};
+
+// Numbers of a line, separated by commas or blanks.
+template <std::size_t count>
+std::array<double, count> numbers_in(std::string line, int number) {
+  std::ranges::replace(line, ',', ' ');
+  const char* rest = line.c_str();
+  std::array<double, count> values{};
+  for (double& value : values) {
+    char* end = nullptr;
+    value = std::strtod(rest, &end);
+    if (end == rest) {
+      throw Error(ErrorKind::kBadInput, fmt::format("'{}' is not {} numbers separated by commas", line, count),
+                  fmt::format("standard input:{}", number));
+    }
+    rest = end;
+  }
+  if (std::string(rest).find_first_not_of(" \t\r") != std::string::npos) {
+    throw Error(ErrorKind::kBadInput, fmt::format("'{}' has more than {} numbers", line, count),
+                fmt::format("standard input:{}", number));
+  }
+  return values;
+}
+
+// Answers each line of stdin with a line on stdout; nan where there is no answer.
+template <std::size_t in, typename Answer>
+void answer_lines(const ProjectFlags& flags, Answer&& answer) {
+  const CalibrationFile file = read_calibration(flags.calibration);
+  const RigCamera& camera = flags.camera.empty() && file.calibration.cameras.size() == 1
+                                ? file.calibration.cameras.front()
+                                : camera_named(file.calibration, flags.camera);
+  std::string line;
+  for (int number = 1; std::getline(std::cin, line); ++number) {
+    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+    fmt::print("{}\n", answer(camera.camera, numbers_in<in>(line, number)));
+  }
+}
+
+void declare(CLI::App& verb, ProjectFlags& flags) {
+  verb.add_option("calibration", flags.calibration, "calibration.json")->required()->type_name("CALIBRATION");
+  verb.add_option("--camera", flags.camera, "name; may be left out when there is only one")->type_name("NAME");
+}
+
+}  // namespace
+
+void add_project_verb(CLI::App& app) {
+  auto flags = std::make_shared<ProjectFlags>();
+  CLI::App* verb = app.add_subcommand("project", "rays or points x,y,z in the camera's frame on stdin -> pixels u,v");
+  declare(*verb, *flags);
+  verb->footer("Example:\n  echo 0,0,1 | raybundle project out/calibration.json --camera left");
+  verb->callback([flags] {
+    answer_lines<3>(*flags, [](const Camera& camera, const std::array<double, 3>& ray) {
+      const auto pixel = pixel_from_ray(camera, Eigen::Vector3d(ray.data()));
+      return pixel ? fmt::format("{},{}", pixel->x(), pixel->y()) : std::string("nan,nan");
+    });
+  });
+}
+
+void add_unproject_verb(CLI::App& app) {
+  auto flags = std::make_shared<ProjectFlags>();
+  CLI::App* verb = app.add_subcommand("unproject", "pixels u,v on stdin -> unit rays x,y,z in the camera's frame");
+  declare(*verb, *flags);
+  verb->footer("Example:\n  echo 320,240 | raybundle unproject out/calibration.json --camera left");
+  verb->callback([flags] {
+    answer_lines<2>(*flags, [](const Camera& camera, const std::array<double, 2>& pixel) {
+      const auto ray = ray_from_pixel(camera, Eigen::Vector2d(pixel.data()));
+      return ray ? fmt::format("{},{},{}", ray->x(), ray->y(), ray->z()) : std::string("nan,nan,nan");
+    });
+  });
+}
+
+}  // namespace raybundle::apps
