@@ -1,0 +1,86 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "chessboard.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <opencv2/imgproc.hpp>
+
+#include "lattice.hpp"
+#include "lattice_place.hpp"
+
+namespace raybundle {
+namespace {
+
+/// Half the size, a level after the other, as long as a board could be seen.
+std::vector<cv::Mat> pyramid_of(const cv::Mat& gray) {
+  constexpr int kSmallest_px = 160;
+  std::vector<cv::Mat> levels{gray};
+  while (levels.size() < 5 && std::min(levels.back().cols, levels.back().rows) >= 2 * kSmallest_px) {
+    cv::Mat half;
+    cv::resize(levels.back(), half, {levels.back().cols / 2, levels.back().rows / 2}, 0, 0, cv::INTER_AREA);
+    levels.push_back(half);
+  }
+  return levels;
+}
+
+/// The order in which levels are searched: about VGA first, which is cheap and forgives noise, then finer, then
+/// coarser.
+std::vector<int> search_order(const std::vector<cv::Mat>& levels) {
+  constexpr int kFirst_px = 800;
+  int first = 0;
+  while (first + 1 < static_cast<int>(levels.size()) && std::max(levels[first].cols, levels[first].rows) > kFirst_px)
+    ++first;
+  std::vector<int> order;
+  for (int level = first; level >= 0; --level) order.push_back(level);
+  for (int level = first + 1; level < static_cast<int>(levels.size()); ++level) order.push_back(level);
+  return order;
+}
+
+/// The lattice in pixels of the full image.
+Lattice in_full_image(Lattice lattice, const cv::Mat& level, const cv::Mat& full) {
+  const Eigen::Array2d scale(static_cast<double>(full.cols) / level.cols, static_cast<double>(full.rows) / level.rows);
+  for (auto& [place, saddle] : lattice) {
+    saddle.pixel = ((saddle.pixel.array() + 0.5) * scale - 0.5).matrix();
+    saddle.sigma_px *= scale.x();
+    saddle.blur_px *= scale.x();
+  }
+  return lattice;
+}
+
+/// Grows at full resolution; an image that is too blurred for that grows at the level where it was seen.
+Lattice grown(const std::vector<cv::Mat>& levels, int level, const Lattice& seed, int longest) {
+  Lattice fine = in_full_image(seed, levels[level], levels[0]);
+  grow_lattice(levels[0], fine, longest);
+  if (level == 0 || fine.size() >= seed.size()) return fine;
+  Lattice coarse = seed;
+  grow_lattice(levels[level], coarse, longest);
+  coarse = in_full_image(coarse, levels[level], levels[0]);
+  return coarse.size() > fine.size() ? coarse : fine;
+}
+
+}  // namespace
+
+std::vector<Observation> detect_chessboard(const cv::Mat& gray, const Chessboard& board) {
+  const std::vector<cv::Mat> levels = pyramid_of(gray);
+  const std::size_t all = static_cast<std::size_t>(board.columns) * static_cast<std::size_t>(board.rows);
+  const int longest = std::max(board.columns, board.rows) + 2;
+  std::vector<Observation> best;
+  for (const int level : search_order(levels)) {
+    cv::Mat blurred;
+    cv::GaussianBlur(levels[level], blurred, {5, 5}, 1.0);
+    std::vector<Lattice> lattices = linked_lattices(saddle_candidates(blurred), blurred);
+    if (lattices.size() > 3) lattices.resize(3);
+    for (const Lattice& seed : lattices) {
+      Lattice lattice = grown(levels, level, seed, longest);
+      trim_lattice(lattice, board);
+      const auto placed = placed_on_board(lattice, closed_sides(gray, lattice), board);
+      if (placed && placed->size() > best.size()) best = *placed;
+      if (best.size() == all) return best;
+    }
+  }
+  return best;
+}
+
+}  // namespace raybundle
