@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "raybundle/scene/problem.hpp"
+
+namespace raybundle {
+
+/// A view's board pose as the rig start sees it: all labellings, and how far it can be trusted.
+struct PosedView {
+  int view = 0;
+  int camera = 0;
+  std::vector<Rigid3> camera_from_target;  ///< as labelled, then relabelled by each of the target's symmetries
+  Eigen::Vector3d centre_in_target = Eigen::Vector3d::Zero();
+  double looseness = 1.0;  ///< error to be expected for equal pixel noise, up to a common factor
+};
+
+/// Views of one board in one moment.
+struct SharedBoard {
+  int frame = 0;
+  int target = 0;
+  std::vector<PosedView> views;  ///< at most one for each camera, by camera
+};
+
+/// Groups of the views that have poses, by frame and target.
+std::vector<SharedBoard> shared_boards(const CalibrationProblem& problem,
+                                       const std::vector<std::optional<Rigid3>>& camera_from_target);
+
+/// How two opinions about the place of a board differ.
+struct Disagreement {
+  double angle_rad = 0.0;
+  double distance_m = 0.0;  ///< of the board's centre
+  double size = 0.0;        ///< angle plus distance as seen from the camera, over the expected error
+  int labelling = 0;        ///< of the second view, the one that agrees best
+};
+
+/// Compares where view `a` (in labelling `a_labelling`) puts the board with where view `b` has it.
+Disagreement disagreement(const PosedView& a, int a_labelling, const PosedView& b, const Rigid3& b_from_a);
+
+/// The relative pose of two cameras on which most frames agree.
+struct PairConsensus {
+  Rigid3 b_from_a;
+  int agreeing = 0;     ///< frames
+  double spread = 0.0;  ///< robust standard deviation of Disagreement::size
+};
+
+/// Least median over the frames, then the mean of those that agree.
+///
+/// @param pairs  views of the same board by camera a and camera b, at least one
+PairConsensus pair_consensus(const std::vector<std::pair<const PosedView*, const PosedView*>>& pairs);
+
+/// A disagreement beyond this is not noise; `spread` as in PairConsensus.
+double agreement_limit(double spread);
+
+}  // namespace raybundle
