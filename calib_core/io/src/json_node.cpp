@@ -172,11 +172,13 @@ void JsonNode::fail(const std::string& message) const {
 }
 
 void JsonNode::fail_type(const char* wanted) const {
-  fail("is " +
-       std::string(value_->is_null()     ? "null"
-                   : value_->is_string() ? "a text"
-                                         : value_->type_name()) +
-       ", where " + wanted + " is expected; correct it");
+  const char* found = value_->is_null()      ? "null"
+                      : value_->is_string()  ? "a text"
+                      : value_->is_array()   ? "an array"
+                      : value_->is_object()  ? "an object"
+                      : value_->is_boolean() ? "true or false"
+                                             : "a number";
+  fail("is " + std::string(found) + ", where " + wanted + " is expected; correct it");
 }
 
 void expect_format(const JsonNode& root, const std::string& format, int version) {
