@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "raybundle/bundle/bundle.hpp"
+
+namespace raybundle {
+
+/// The used observations of one board view, gathered once; arrays have one entry for each of them.
+struct ViewData {
+  int view = 0;  ///< index into problem.views
+  int camera = 0;
+  int target = 0;
+  int pose = 0;
+  ModelId model;
+  Eigen::Matrix3Xd x_in_target;  ///< on the ideal board [m]
+  Eigen::Matrix3Xd shape_basis;  ///< as shape_basis(target)
+  Eigen::Matrix2Xd pixel;        ///< measured [px]
+  Eigen::ArrayXd inverse_sigma;  ///< [1/px]
+};
+
+/// One entry for each view that has a pose and at least one used observation, in the order of problem.views.
+std::vector<ViewData> used_views(const CalibrationProblem& problem, const BundleState& state);
+
+/// The unknowns that one view depends on.
+struct ViewPoint {
+  const double* intrinsics = nullptr;
+  Rigid3 camera_from_rig;
+  Rigid3 rig_from_target;
+  Eigen::Vector3d shape = Eigen::Vector3d::Zero();  ///< bend_x, bend_y, twist [m]
+};
+
+struct ViewBlockOptions {
+  bool with_shape = false;          ///< fill ViewBlock::wrt_shape
+  bool compressed = true;           ///< rows of the triangular factor instead of two for each corner
+  double robust_scale_sigma = 0.0;  ///< as BundleOptions
+};
+
+/// The whitened residual (projected minus measured) of one view and its Jacobians at a ViewPoint.
+///
+/// Half the squared residual is the view's exact (robust) cost, and JᵀJ and Jᵀr are the same for both forms. Whole:
+/// two rows for each corner. Compressed: the rows of the triangular factor R of [J r], JᵀJ = RᵀR. With a robust loss
+/// the rows carry the square root of the weight ρ'. The last row has no Jacobian: it makes up the cost, which for a
+/// concave ρ is never less than what the other rows hold, because ρ(s) >= s ρ'(s).
+struct ViewBlock {
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Eigen::VectorXd residual;
+  Rows wrt_intrinsics;
+  Rows wrt_camera_from_rig;  ///< columns as the motion of perturbed()
+  Rows wrt_rig_from_target;  ///< columns as the motion of perturbed()
+  Rows wrt_shape;            ///< bend_x, bend_y, twist; empty without
+};
+
+/// Rows of a ViewBlock of that view: known beforehand, as Ceres wants it.
+int view_block_rows(const ViewData& view, const ViewBlockOptions& options);
+
+/// False when the model does not project one of the corners, or a focal length is not positive; `block` is then not
+/// meaningful. No corner ever gets a made-up residual.
+bool linearize_view(const ViewData& view, const ViewPoint& point, const ViewBlockOptions& options, ViewBlock& block);
+
+}  // namespace raybundle

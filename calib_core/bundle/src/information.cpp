@@ -1,0 +1,126 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/bundle/information.hpp"
+
+#include <Eigen/QR>
+#include <array>
+#include <map>
+
+#include "raybundle/bundle/parameters.hpp"
+#include "raybundle/bundle/view_block.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "unknowns.hpp"
+
+namespace raybundle {
+namespace {
+
+// Where the free parameters of each block stand among all free parameters.
+struct Layout {
+  std::vector<ParameterBlock> blocks;
+  std::vector<int> first;  // column of a block's first free parameter
+  int columns = 0;
+
+  explicit Layout(std::vector<ParameterBlock> all) : blocks(std::move(all)) {
+    for (const ParameterBlock& block : blocks) {
+      first.push_back(columns);
+      columns += static_cast<int>(block.free().size());
+    }
+  }
+
+  // Adds the free columns of a block's Jacobian to rows of the whole one.
+  template <typename Jacobian, typename Rows>
+  void scatter(ParameterBlock::Kind kind, int owner, const Jacobian& jacobian, Rows&& rows) const {
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+      if (blocks[b].kind != kind || blocks[b].owner != owner) continue;
+      int column = first[b];
+      for (int i : blocks[b].free()) rows.col(column++) = jacobian.col(i);
+    }
+  }
+};
+
+bool with_shape(const Layout& layout, int target) {
+  for (const ParameterBlock& block : layout.blocks) {
+    if (block.kind == ParameterBlock::Kind::kShape && block.owner == target) return !block.fixed();
+  }
+  return false;
+}
+
+// Rows of everything that one board pose is seen in: the pose's six columns and those of the free parameters.
+struct PoseRows {
+  Eigen::MatrixXd wrt_pose = Eigen::MatrixXd(0, 6);
+  Eigen::MatrixXd wrt_parameters;
+
+  void append(const ViewData& view, const ViewBlock& block, const Layout& layout) {
+    const Eigen::Index before = wrt_pose.rows();
+    const Eigen::Index count = block.residual.size() - 1;  // the last row has no Jacobian
+    wrt_pose.conservativeResize(before + count, 6);
+    wrt_parameters.conservativeResize(before + count, layout.columns);
+    wrt_pose.bottomRows(count) = block.wrt_rig_from_target.topRows(count);
+    auto rows = wrt_parameters.bottomRows(count);
+    rows.setZero();
+    using Kind = ParameterBlock::Kind;
+    layout.scatter(Kind::kIntrinsics, view.camera, block.wrt_intrinsics.topRows(count), rows);
+    layout.scatter(Kind::kCameraFromRig, view.camera, block.wrt_camera_from_rig.topRows(count), rows);
+    if (block.wrt_shape.cols() > 0) layout.scatter(Kind::kShape, view.target, block.wrt_shape.topRows(count), rows);
+  }
+
+  // What is left of the rows about the parameters when the pose may follow freely: their part that is orthogonal to
+  // the pose's columns. No difference of large matrices is formed, so that an unseen direction comes out as such.
+  Eigen::MatrixXd eliminated() const {
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(wrt_pose);
+    Eigen::MatrixXd rotated = wrt_parameters;
+    rotated.applyOnTheLeft(qr.householderQ().adjoint());
+    return rotated.bottomRows(rotated.rows() - qr.rank());
+  }
+};
+
+double weighted_chi2(const ViewBlock& block) { return block.residual.head(block.residual.size() - 1).squaredNorm(); }
+
+}  // namespace
+
+ReducedInformation reduced_information(const CalibrationProblem& problem, const BundleState& state,
+                                       const BundleOptions& options) {
+  const Layout layout(estimated_blocks(problem, state, options));
+  const Unknowns unknowns(state);
+  ReducedInformation result;
+  result.information.setZero(layout.columns, layout.columns);
+  result.parameters = layout.columns;
+  for (const ParameterBlock& block : layout.blocks) {
+    for (int i : block.free()) result.names.push_back(block.parameters[i].name);
+  }
+
+  std::map<int, PoseRows> poses;  // in order, so that sums are formed in the same order every time
+  for (const ViewData& view : used_views(problem, state)) {
+    ViewBlock block;
+    // Whole views: the triangular factor of a view squares its condition number.
+    const ViewBlockOptions view_options{.with_shape = with_shape(layout, view.target),
+                                        .compressed = false,
+                                        .robust_scale_sigma = options.robust_scale_sigma};
+    if (!linearize_view(view, unknowns.at(view), view_options, block)) {
+      throw Error(ErrorKind::kSolveFailed,
+                  "a corner in use is not projected by the camera model; mark_projectable() finds such corners",
+                  view_name(problem, problem.views[view.view]));
+    }
+    result.chi2 += weighted_chi2(block);
+    result.residuals += 2 * static_cast<int>(view.pixel.cols());
+    poses[view.pose].append(view, block, layout);
+  }
+  result.parameters += 6 * static_cast<int>(poses.size());
+  for (const auto& [index, rows] : poses) {
+    const Eigen::MatrixXd left = rows.eliminated();
+    result.information += left.transpose() * left;
+  }
+
+  for (const ParameterBlock& block : layout.blocks) {
+    if (block.with_prior().empty()) continue;
+    const PriorResidual prior = prior_residual(block, prior_mean(problem, state, block), current_values(state, block));
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(prior.residual.size(), layout.columns);
+    layout.scatter(block.kind, block.owner, prior.jacobian, rows);
+    result.information += rows.transpose() * rows;
+    result.chi2 += prior.residual.squaredNorm();
+    result.residuals += static_cast<int>(prior.residual.size());
+  }
+  return result;
+}
+
+}  // namespace raybundle

@@ -1,0 +1,153 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/bundle/parameters.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "raybundle/geometry/error.hpp"
+
+namespace raybundle {
+namespace {
+
+using RuleKind = ParameterRule::Kind;
+
+constexpr std::array<std::string_view, 6> kMotionNames{"rotation_x",    "rotation_y",    "rotation_z",
+                                                       "translation_x", "translation_y", "translation_z"};
+constexpr std::array<std::string_view, 3> kShapeParameterNames{"bend_x", "bend_y", "twist"};
+
+// Wildcards: * any run of characters, ? any one.
+bool matches(std::string_view pattern, std::string_view text) {
+  std::size_t p = 0;
+  std::size_t t = 0;
+  std::size_t star = std::string_view::npos;
+  std::size_t star_text = 0;
+  while (t < text.size()) {
+    if (p < pattern.size() && pattern[p] == '*') {
+      star = p++;
+      star_text = t;
+    } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == text[t])) {
+      ++p;
+      ++t;
+    } else if (star != std::string_view::npos) {
+      p = star + 1;
+      t = ++star_text;
+    } else {
+      return false;
+    }
+  }
+  return std::ranges::all_of(pattern.substr(p), [](char c) { return c == '*'; });
+}
+
+template <typename Names>
+ParameterBlock make_block(ParameterBlock::Kind kind, int owner, std::string group, const std::string& prefix,
+                          const Names& names) {
+  ParameterBlock block{kind, owner, std::move(group), {}};
+  for (const std::string_view name : names) {
+    block.parameters.push_back({.name = prefix + std::string(name), .value = {}});
+  }
+  return block;
+}
+
+void fix_all(ParameterBlock& block) {
+  for (Parameter& parameter : block.parameters) parameter.kind = RuleKind::kFixed;
+}
+
+[[noreturn]] void throw_no_match(const ParameterRule& rule, const std::vector<ParameterBlock>& blocks) {
+  std::string known;
+  for (const ParameterBlock& block : blocks) {
+    known += (known.empty() ? "" : ", ") + block.group;
+    for (const Parameter& parameter : block.parameters) known += ", " + parameter.name;
+  }
+  throw Error(ErrorKind::kBadInput, "no parameter matches '" + rule.pattern + "'; there are: " + known);
+}
+
+void apply_rule(const ParameterRule& rule, std::vector<ParameterBlock>& blocks) {
+  if (rule.kind == RuleKind::kPrior && !(rule.sigma > 0.0)) {
+    throw Error(ErrorKind::kBadInput, "the prior on '" + rule.pattern + "' needs a sigma above zero");
+  }
+  bool matched = false;
+  for (ParameterBlock& block : blocks) {
+    const bool whole = matches(rule.pattern, block.group);
+    for (Parameter& parameter : block.parameters) {
+      if (!whole && !matches(rule.pattern, parameter.name)) continue;
+      parameter.kind = rule.kind;
+      parameter.value = rule.kind == RuleKind::kFree ? std::nullopt : rule.value;
+      parameter.sigma = rule.sigma;
+      matched = true;
+    }
+  }
+  if (!matched) throw_no_match(rule, blocks);
+}
+
+// Whether a used observation depends on each camera and each target.
+struct Seen {
+  std::vector<bool> cameras, targets;
+
+  Seen(const CalibrationProblem& problem, const BundleState& state)
+      : cameras(problem.cameras.size(), false), targets(problem.targets.size(), false) {
+    for (std::size_t v = 0; v < problem.views.size(); ++v) {
+      if (state.pose_of_view[v] < 0) continue;
+      if (std::ranges::find(state.fates[v], ObservationFate::kUsed) == state.fates[v].end()) continue;
+      cameras[problem.views[v].camera] = true;
+      targets[problem.views[v].target] = true;
+    }
+  }
+};
+
+}  // namespace
+
+std::vector<int> ParameterBlock::free() const {
+  std::vector<int> indices;
+  for (int i = 0; i < static_cast<int>(parameters.size()); ++i) {
+    if (parameters[i].kind != RuleKind::kFixed) indices.push_back(i);
+  }
+  return indices;
+}
+
+std::vector<int> ParameterBlock::with_prior() const {
+  std::vector<int> indices;
+  for (int i = 0; i < static_cast<int>(parameters.size()); ++i) {
+    if (parameters[i].kind == RuleKind::kPrior) indices.push_back(i);
+  }
+  return indices;
+}
+
+std::vector<ParameterBlock> parameter_blocks(const CalibrationProblem& problem) {
+  std::vector<ParameterBlock> blocks;
+  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
+    const std::string& name = problem.cameras[c].name;
+    blocks.push_back(make_block(ParameterBlock::Kind::kIntrinsics, c, name + ".intrinsics", name + ".",
+                                parameter_names(problem.cameras[c].model)));
+    const std::string extrinsics = name + ".camera_from_rig";
+    blocks.push_back(make_block(ParameterBlock::Kind::kCameraFromRig, c, extrinsics, extrinsics + ".", kMotionNames));
+  }
+  for (int t = 0; t < static_cast<int>(problem.targets.size()); ++t) {
+    const std::string& name = problem.targets[t].name;
+    blocks.push_back(make_block(ParameterBlock::Kind::kShape, t, name + ".shape", name + ".", kShapeParameterNames));
+  }
+  for (const ParameterRule& rule : problem.rules) apply_rule(rule, blocks);
+  for (ParameterBlock& block : blocks) {
+    if (block.kind != ParameterBlock::Kind::kCameraFromRig || block.owner != 0) continue;
+    for (Parameter& parameter : block.parameters)
+      parameter = {.name = parameter.name, .kind = RuleKind::kFixed, .value = {}};
+  }
+  return blocks;
+}
+
+std::vector<ParameterBlock> estimated_blocks(const CalibrationProblem& problem, const BundleState& state,
+                                             const BundleOptions& options) {
+  std::vector<ParameterBlock> blocks = parameter_blocks(problem);
+  const Seen seen(problem, state);
+  for (ParameterBlock& block : blocks) {
+    const bool is_shape = block.kind == ParameterBlock::Kind::kShape;
+    const bool possible =
+        is_shape ? seen.targets[block.owner] && options.estimate_shape && problem.targets[block.owner].flat()
+                 : seen.cameras[block.owner];
+    if (!possible) fix_all(block);
+  }
+  return blocks;
+}
+
+}  // namespace raybundle
