@@ -6,6 +6,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace raybundle {
 namespace {
@@ -65,6 +67,12 @@ std::optional<LocalPrediction> map_at_origin(const std::vector<Eigen::Vector2d>&
 
 void MarkerMap::add(const Eigen::Vector2d& x_in_board, const Eigen::Vector2d& pixel, double weight) {
   points_.push_back({x_in_board, pixel, weight});
+}
+
+double MarkerMap::distance(const Eigen::Vector2d& x_in_board) const {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Point& point : points_) nearest = std::min(nearest, (point.x_in_board - x_in_board).norm());
+  return nearest;
 }
 
 std::optional<LocalPrediction> MarkerMap::predict(const Eigen::Vector2d& x_in_board, double reach_m) const {

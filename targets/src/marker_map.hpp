@@ -21,6 +21,9 @@ class MarkerMap {
   /// @param weight  1 for a refined point, less for a rough one
   void add(const Eigen::Vector2d& x_in_board, const Eigen::Vector2d& pixel, double weight);
 
+  /// Distance to the nearest known point [m]; infinite when there is none.
+  double distance(const Eigen::Vector2d& x_in_board) const;
+
   /// Nothing when there are fewer than four points, when they are collinear, or when the nearest one is further away
   /// than `reach_m`.
   std::optional<LocalPrediction> predict(const Eigen::Vector2d& x_in_board, double reach_m) const;

@@ -1,0 +1,124 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tag_corner.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace raybundle {
+namespace {
+
+constexpr double kFirstShare = 0.08;  // of the side: the part near the corner is rounded by blur
+constexpr double kLastShare = 0.55;   // beyond, a bent side leaves the line
+constexpr double kWeakestStep = 8.0;  // grey values across an edge
+constexpr double kWorstLine_px = 0.5;
+
+double grey_at(const cv::Mat& gray, const Eigen::Vector2d& pixel) {
+  const int x = static_cast<int>(std::floor(pixel.x()));
+  const int y = static_cast<int>(std::floor(pixel.y()));
+  if (x < 0 || y < 0 || x + 1 >= gray.cols || y + 1 >= gray.rows) return -1.0;
+  const double a = pixel.x() - x;
+  const double b = pixel.y() - y;
+  const auto* top = gray.ptr<std::uint8_t>(y) + x;
+  const auto* bottom = gray.ptr<std::uint8_t>(y + 1) + x;
+  return (1 - b) * ((1 - a) * top[0] + a * top[1]) + b * ((1 - a) * bottom[0] + a * bottom[1]);
+}
+
+// Centroid of the positive slope along `outward` through `place`: where dark turns to bright.
+std::optional<double> edge_offset(const cv::Mat& gray, const Eigen::Vector2d& place, const Eigen::Vector2d& outward,
+                                  double reach_px) {
+  constexpr double kStep_px = 0.5;
+  const int half = std::max(3, static_cast<int>(std::ceil(reach_px / kStep_px)));
+  std::vector<double> values;
+  for (int i = -half; i <= half; ++i) {
+    const double value = grey_at(gray, place + i * kStep_px * outward);
+    if (value < 0.0) return std::nullopt;
+    values.push_back(value);
+  }
+  std::size_t steepest = 1;
+  const auto slope = [&](std::size_t i) { return values[i + 1] - values[i - 1]; };
+  for (std::size_t i = 1; i + 1 < values.size(); ++i) {
+    if (slope(i) > slope(steepest)) steepest = i;
+  }
+  if (slope(steepest) < kWeakestStep) return std::nullopt;
+  double sum = 0.0;
+  double moment = 0.0;
+  const std::size_t first = std::max<std::size_t>(1, steepest >= 3 ? steepest - 3 : 1);
+  for (std::size_t i = first; i <= steepest + 3 && i + 1 < values.size(); ++i) {
+    const double weight = std::max(0.0, slope(i));
+    sum += weight;
+    moment += weight * (static_cast<double>(i) - half) * kStep_px;
+  }
+  return moment / sum;
+}
+
+struct Line {
+  Eigen::Vector2d normal;
+  double distance = 0.0;  // normal · x = distance
+  double sigma_px = 0.0;  // of the distance, extrapolated to the corner
+};
+
+std::optional<Line> fit_side(const cv::Mat& gray, const Eigen::Vector2d& start, const Eigen::Vector2d& along,
+                             const Eigen::Vector2d& inward, double reach_px) {
+  Eigen::Vector2d outward(along.y(), -along.x());
+  if (outward.dot(inward) > 0.0) outward = -outward;
+  outward.normalize();
+  const double length = along.norm();
+  const int samples = std::max(4, static_cast<int>((kLastShare - kFirstShare) * length));
+  std::vector<Eigen::Vector2d> offsets;  // distance along the side, offset across it
+  for (int i = 0; i < samples; ++i) {
+    const double t = kFirstShare + (kLastShare - kFirstShare) * i / (samples - 1);
+    if (const auto offset = edge_offset(gray, start + t * along, outward, reach_px)) {
+      offsets.emplace_back(t * length, *offset);
+    }
+  }
+  if (2 * offsets.size() < static_cast<std::size_t>(samples) || offsets.size() < 4) return std::nullopt;
+  Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d right = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& o : offsets) {
+    const Eigen::Vector2d row(1.0, o.x());
+    normal += row * row.transpose();
+    right += o.y() * row;
+  }
+  const Eigen::Matrix2d inverse = normal.inverse();
+  const Eigen::Vector2d line = inverse * right;
+  double squares = 0.0;
+  for (const Eigen::Vector2d& o : offsets) squares += std::pow(o.y() - line[0] - line[1] * o.x(), 2);
+  const double variance = squares / static_cast<double>(offsets.size() - 2);
+  if (!(variance < kWorstLine_px * kWorstLine_px)) return std::nullopt;
+  const Eigen::Vector2d direction = along.normalized() + line[1] * outward;
+  Line fitted;
+  fitted.normal = Eigen::Vector2d(direction.y(), -direction.x()).normalized();
+  fitted.distance = fitted.normal.dot(start + line[0] * outward);
+  constexpr double kFloor_px = 0.03;  // blur that differs on the two sides, and the side's bend
+  fitted.sigma_px = std::sqrt(variance * inverse(0, 0) + kFloor_px * kFloor_px);
+  return fitted;
+}
+
+}  // namespace
+
+std::optional<TagCorner> refine_tag_corner(const cv::Mat& gray, const Eigen::Vector2d& start,
+                                           const Eigen::Vector2d& inward_x, const Eigen::Vector2d& inward_y,
+                                           double reach_px) {
+  Eigen::Vector2d pixel = start;
+  double sigma_px = 0.0;
+  for (int round = 0; round < 2; ++round) {
+    const double reach = round == 0 ? reach_px : std::min(reach_px, 3.0);
+    const auto a = fit_side(gray, pixel, inward_x, inward_y, reach);
+    const auto b = fit_side(gray, pixel, inward_y, inward_x, reach);
+    if (!a || !b) return std::nullopt;
+    Eigen::Matrix2d normals;
+    normals << a->normal.transpose(), b->normal.transpose();
+    const double sine = std::abs(normals.determinant());
+    if (sine < 0.2) return std::nullopt;
+    pixel = normals.inverse() * Eigen::Vector2d(a->distance, b->distance);
+    sigma_px = std::sqrt(0.5 * (a->sigma_px * a->sigma_px + b->sigma_px * b->sigma_px)) / sine;
+    if (!((pixel - start).norm() <= reach_px)) return std::nullopt;
+  }
+  return TagCorner{pixel, sigma_px};
+}
+
+}  // namespace raybundle
