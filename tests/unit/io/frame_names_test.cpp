@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/io/frame_names.hpp"
+
+#include <gtest/gtest.h>
+
+namespace raybundle::testing {
+namespace {
+
+using Names = std::vector<std::string>;
+
+TEST(FrameNames, AreTheDigitsThatDiffer) {
+  EXPECT_EQ(frame_names({"left03.jpg", "left12.jpg"}), (Names{"3", "12"}));
+  EXPECT_EQ(frame_names({"cam2/run7_000.png", "cam2/run7_001.png"}), (Names{"0", "1"}));
+  EXPECT_EQ(frame_names({"s1_f01.png", "s2_f01.png", "s1_f02.png"}), (Names{"1-1", "2-1", "1-2"}));
+  EXPECT_EQ(frame_names({"01/left.png", "02/left.png"}), (Names{"1", "2"}));
+  EXPECT_EQ(frame_names({"cam0_7.png"}), (Names{"7"}));
+  EXPECT_EQ(frame_names({"near.png", "far.png"}), (Names{"near", "far"}));
+  EXPECT_EQ(frame_names({"a1.png", "a1_2.png"}), (Names{"a1", "a1_2"}));
+  EXPECT_EQ(frame_names({}), Names{});
+}
+
+TEST(FrameNames, ZeroIsAFrame) { EXPECT_EQ(frame_names({"f000.png", "f100.png"}), (Names{"0", "100"})); }
+
+TEST(MatchesPattern, StarsAndQuestionMarks) {
+  EXPECT_TRUE(matches_pattern("left01.jpg", "left*.jpg"));
+  EXPECT_TRUE(matches_pattern("left01.jpg", "left??.jpg"));
+  EXPECT_TRUE(matches_pattern("aXbXc", "a*b*c"));
+  EXPECT_TRUE(matches_pattern("", "*"));
+  EXPECT_FALSE(matches_pattern("left01.png", "left*.jpg"));
+  EXPECT_FALSE(matches_pattern("left1.jpg", "left??.jpg"));
+  EXPECT_FALSE(matches_pattern("a", ""));
+  EXPECT_FALSE(matches_pattern(std::string(3000, 'a'), std::string(1000, '*') + "b"));  // and it comes back soon
+}
+
+}  // namespace
+}  // namespace raybundle::testing

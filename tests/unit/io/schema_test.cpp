@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include <fstream>
+#include <limits>
+
+#include "io_examples.hpp"
+#include "raybundle/io/report_file.hpp"
+#include "schema_walker.hpp"
+
+namespace raybundle::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using Json = nlohmann::json;
+
+SchemaWalker schema(const std::string& name) {
+  std::ifstream stream(RAYBUNDLE_SOURCE_DIR "/docs/schemas/" + name + ".schema.json");
+  return SchemaWalker(Json::parse(stream));
+}
+
+// A result with one of everything: an outlier, a residual that does not exist, a view and an image set aside.
+CalibrationResult result_for(const CalibrationProblem& problem) {
+  CalibrationResult result;
+  result.calibration = full_calibration().calibration;
+  result.poses = {{0, 0, awkward_rigid3(2)}};
+  for (const TargetView& view : problem.views) {
+    ViewResult of_view{0, {}, {}, 0.25};
+    of_view.residuals_px.assign(view.observations.size(), {0.1, -0.2});
+    of_view.fates.assign(view.observations.size(), ObservationFate::kUsed);
+    result.views.push_back(of_view);
+  }
+  result.views[0].fates[0] = ObservationFate::kOutlier;
+  result.views[0].fates[1] = ObservationFate::kUnprojectable;
+  result.views[0].residuals_px[1].setConstant(std::numeric_limits<double>::quiet_NaN());
+  result.views[1] = {};
+  result.set_aside = {{1, SetAside::Scope::kView, "its best pose leaves 7.1 px"},
+                      {2, SetAside::Scope::kExtrinsics, "the cameras disagree by 3 mm"}};
+  result.cameras.assign(problem.cameras.size(), {0.25, 0.2, 3, 4, 44, 1});
+  result.rms_px = 0.25;
+  result.termination = Termination::kConverged;
+  result.gauge = "the first camera";
+  result.warnings = {"camera right saw no board near its rim"};
+  result.stages = {{"detect", 1.5}, {"solve", 0.25}};
+  return result;
+}
+
+Json example_report() {
+  const CalibrationProblem problem = small_observations().problem;
+  const ReportExtra extra{{{"left", "9", "left09.jpg", "no board found"}}, full_calibration().provenance};
+  return Json::parse(text_from_report(problem, result_for(problem), extra));
+}
+
+TEST(Schema, WrittenFilesConform) {
+  EXPECT_THAT(schema("calibration").complaints(Json::parse(text_from_calibration(full_calibration()))), IsEmpty());
+  EXPECT_THAT(schema("observations").complaints(Json::parse(text_from_observations(small_observations()))), IsEmpty());
+  EXPECT_THAT(schema("report").complaints(example_report()), IsEmpty());
+}
+
+TEST(Schema, FindsWhatIsWrong) {
+  Json json = Json::parse(text_from_calibration(full_calibration()));
+  json["cameras"][0].erase("width");
+  json["cameras"][1]["parameters"]["k9"] = "a text";
+  json["version"] = 2;
+  EXPECT_EQ(schema("calibration").complaints(json).size(), 3u);
+}
+
+TEST(Report, HoldsTheNamesThatOthersScriptAgainst) {
+  const Json report = example_report();
+  EXPECT_EQ(report["rms_px"], 0.25);
+  EXPECT_EQ(report["cameras"][0]["name"], "camera0");
+  for (const char* key : {"rms_px", "median_px", "views_used", "views_total", "corners_used"}) {
+    EXPECT_TRUE(report["cameras"][0][key].is_number()) << key;
+  }
+  EXPECT_EQ(report["stages"][0]["name"], "detect");
+  EXPECT_EQ(report["stages"][0]["seconds"], 1.5);
+  ASSERT_EQ(report["set_aside"].size(), 3u);
+  EXPECT_EQ(report["set_aside"][0]["camera"], "camera1");
+  EXPECT_EQ(report["set_aside"][0]["frame"], "0");
+  EXPECT_EQ(report["set_aside"][1]["scope"], "extrinsics");
+  EXPECT_EQ(report["set_aside"][2]["reason"], "no board found");
+}
+
+TEST(Report, KeepsEveryObservationWithResidualAndFate) {
+  const CalibrationProblem problem = small_observations().problem;
+  const Json report = example_report();
+  ASSERT_EQ(report["views"].size(), problem.views.size());
+  for (std::size_t i = 0; i < problem.views.size(); ++i) {
+    ASSERT_EQ(report["views"][i]["observations"].size(), problem.views[i].observations.size());
+  }
+  const Json rows = report["views"][0]["observations"];
+  EXPECT_EQ(rows[0][1], problem.views[0].observations[0].pixel.x());
+  EXPECT_EQ(report["fates"][rows[0][6].get<int>()], "outlier");
+  EXPECT_TRUE(rows[1][4].is_null());
+  EXPECT_EQ(report["fates"][rows[1][6].get<int>()], "unprojectable");
+  EXPECT_EQ(report["fates"][rows[2][6].get<int>()], "used");
+  EXPECT_EQ(rows[2][5], -0.2);
+  EXPECT_EQ(report["fates"][report["views"][1]["observations"][0][6].get<int>()], "view_set_aside");
+  EXPECT_EQ(report["views"][1]["pose"], -1);
+}
+
+TEST(Report, AFileNameThatIsNotUtf8DoesNotFailIt) {
+  CalibrationProblem problem = small_observations().problem;
+  problem.views[0].image = "\xff.jpg";
+  EXPECT_THAT(text_from_report(problem, result_for(problem)), HasSubstr("\xEF\xBF\xBD.jpg"));
+}
+
+}  // namespace
+}  // namespace raybundle::testing
