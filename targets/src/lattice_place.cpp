@@ -226,8 +226,8 @@ void trim_lattice(Lattice& lattice, const Chessboard& board) {
   constexpr double kSparse = 0.3;  // of a full line: what may be cut as not of the board
   while (!lattice.empty()) {
     const Extent extent = extent_of(lattice);
-    const auto [low, high] = std::minmax(extent.width(), extent.height());
-    const auto [board_low, board_high] = std::minmax(board.columns, board.rows);
+    const auto [low, high] = std::minmax({extent.width(), extent.height()});
+    const auto [board_low, board_high] = std::minmax({board.columns, board.rows});
     if (low <= board_low && high <= board_high) return;
     std::array<int, 4> count{};
     for (const auto& [place, saddle] : lattice) {
@@ -240,7 +240,8 @@ void trim_lattice(Lattice& lattice, const Chessboard& board) {
     std::array<double, 4> share;
     for (int side = 0; side < 4; ++side) {
       const bool across = side % 2 == 0;
-      const bool too_long = (across ? extent.width() : extent.height()) > (high > board_high ? board_high : board_low);
+      const int length = across ? extent.width() : extent.height();
+      const bool too_long = length > (length == high && high != low ? board_high : board_low);
       share[side] = too_long ? count[side] / static_cast<double>(across ? extent.height() : extent.width()) : 2;
     }
     const int sparsest = static_cast<int>(std::ranges::min_element(share) - share.begin());

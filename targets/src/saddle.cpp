@@ -219,6 +219,31 @@ Saddle saddle_of(const Fit& fit, const Eigen::Vector2d& start, std::size_t sampl
   return saddle;
 }
 
+/// Both bright sectors are brighter than both dark ones, by a good part of the contrast: at the outer corner of a dark
+/// square three sectors are bright, and a fit alone can make up for that.
+bool sectors_alternate(const std::vector<Sample>& samples, const Vector& parameters, double blur) {
+  constexpr double kLeastPart = 0.35;
+  double sum[4] = {0, 0, 0, 0}, weight[4] = {1e-9, 1e-9, 1e-9, 1e-9};
+  for (const Sample& sample : samples) {
+    const double x = sample.x - parameters[kX];
+    const double y = sample.y - parameters[kY];
+    const double side_a = std::cos(parameters[kAngleA]) * y - std::sin(parameters[kAngleA]) * x;
+    const double side_b = std::cos(parameters[kAngleB]) * y - std::sin(parameters[kAngleB]) * x;
+    const int sector = 2 * (side_a * side_b < 0) + (side_a < 0);
+    const double inside = sample.weight * std::min(1.0, std::min(std::abs(side_a), std::abs(side_b)) / blur);
+    sum[sector] += inside * sample.grey;
+    weight[sector] += inside;
+  }
+  const double dark[2] = {sum[0] / weight[0], sum[1] / weight[1]};
+  const double bright[2] = {sum[2] / weight[2], sum[3] / weight[3]};
+  const double sign = parameters[kAmplitude] < 0 ? -1 : 1;
+  double least = 1e9;
+  for (const double d : dark) {
+    for (const double b : bright) least = std::min(least, sign * (b - d));
+  }
+  return least > kLeastPart * 0.5 * sign * (bright[0] + bright[1] - dark[0] - dark[1]);
+}
+
 bool convincing(const Saddle& saddle, const Eigen::Vector2d& start, const Shape& shape) {
   const Eigen::Vector2d moved = shape.window_from_pixel * (saddle.pixel - start);
   const double sine = std::abs(saddle.edge_a.x() * saddle.edge_b.y() - saddle.edge_a.y() * saddle.edge_b.x());
@@ -255,7 +280,9 @@ std::optional<Saddle> fitted(const cv::Mat& gray, const Eigen::Vector2d& start, 
     if (!moved.allFinite() || (centre + moved - start).norm() > 2 * kLargestHalf_px) return std::nullopt;
     const Saddle saddle = saddle_of(fit, centre, samples.size());
     if (round >= 2 || (shape.window_from_pixel * moved).cwiseAbs().maxCoeff() < 0.05) {
-      if (!convincing(saddle, start, shape)) return std::nullopt;
+      if (!convincing(saddle, start, shape) || !sectors_alternate(samples, fit.parameters, saddle.blur_px)) {
+        return std::nullopt;
+      }
       return saddle;
     }
     if ((shape.window_from_pixel * (saddle.pixel - start)).cwiseAbs().maxCoeff() > 1) return std::nullopt;
