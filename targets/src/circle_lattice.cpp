@@ -1,0 +1,246 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "circle_lattice.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <optional>
+#include <set>
+
+namespace raybundle {
+namespace {
+
+using Cell = std::pair<int, int>;
+
+constexpr double kReachShare = 0.35;  // of the step, from the predicted neighbour
+constexpr double kAreaRatio = 2.2;    // between neighbours
+constexpr double kCollinear = 0.85;   // cosine between the two steps of a lattice
+constexpr double kFewestShare = 0.9;  // of the pattern's circles
+constexpr int kShiftRoom = 2;         // cells by which stray blobs may enlarge the lattice's bounds
+constexpr std::size_t kMostEllipses = 3000;
+
+struct Lattice {
+  std::map<Cell, std::size_t> ellipse_at;
+};
+
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+bool alike(const Ellipse& a, const Ellipse& b) {
+  const double ratio = std::sqrt(a.shape.determinant() / b.shape.determinant());
+  return a.dark == b.dark && ratio < kAreaRatio && ratio > 1.0 / kAreaRatio;
+}
+
+std::optional<std::size_t> nearest(const std::vector<Ellipse>& ellipses, const Ellipse& like,
+                                   const Eigen::Vector2d& place, double reach) {
+  std::optional<std::size_t> best;
+  for (std::size_t i = 0; i < ellipses.size(); ++i) {
+    const double distance = (ellipses[i].centre - place).norm();
+    if (distance < reach && alike(ellipses[i], like)) {
+      best = i;
+      reach = distance;
+    }
+  }
+  return best;
+}
+
+// The two shortest independent steps from an ellipse to its like: a basis of the lattice; the second one clockwise.
+std::optional<std::array<Eigen::Vector2d, 2>> basis_at(const std::vector<Ellipse>& ellipses, std::size_t seed) {
+  std::vector<Eigen::Vector2d> steps;
+  for (std::size_t i = 0; i < ellipses.size(); ++i) {
+    if (i != seed && alike(ellipses[i], ellipses[seed])) {
+      steps.emplace_back(ellipses[i].centre - ellipses[seed].centre);
+    }
+  }
+  const std::size_t count = std::min<std::size_t>(8, steps.size());
+  if (count < 2) return std::nullopt;
+  std::ranges::partial_sort(steps, steps.begin() + static_cast<std::ptrdiff_t>(count), {},
+                            [](const Eigen::Vector2d& step) { return step.squaredNorm(); });
+  for (std::size_t i = 1; i < count; ++i) {
+    if (std::abs(steps[0].dot(steps[i])) < kCollinear * steps[0].norm() * steps[i].norm()) {
+      const Eigen::Vector2d second = cross(steps[0], steps[i]) > 0.0 ? steps[i] : Eigen::Vector2d(-steps[i]);
+      return std::array<Eigen::Vector2d, 2>{steps[0], second};
+    }
+  }
+  return std::nullopt;
+}
+
+// From neighbour to neighbour; each ellipse hands its own steps on to the next.
+Lattice grow(const std::vector<Ellipse>& ellipses, std::size_t seed, std::vector<char>& used) {
+  struct Open {
+    Cell cell;
+    std::size_t ellipse;
+    std::array<Eigen::Vector2d, 2> basis;
+  };
+  Lattice lattice;
+  const auto basis = basis_at(ellipses, seed);
+  used[seed] = 1;
+  if (!basis) return lattice;
+  std::deque<Open> open{{{0, 0}, seed, *basis}};
+  lattice.ellipse_at[{0, 0}] = seed;
+  while (!open.empty()) {
+    Open here = open.front();
+    open.pop_front();
+    const Ellipse& ellipse = ellipses[here.ellipse];
+    std::vector<std::pair<Cell, std::size_t>> fresh;
+    for (int axis = 0; axis < 2; ++axis) {
+      Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+      int count = 0;
+      for (const int sign : {1, -1}) {
+        const Cell cell(here.cell.first + (axis == 0 ? sign : 0), here.cell.second + (axis == 1 ? sign : 0));
+        const auto known = lattice.ellipse_at.find(cell);
+        std::optional<std::size_t> next;
+        if (known != lattice.ellipse_at.end()) {
+          next = known->second;
+        } else {
+          const double reach = kReachShare * std::min(here.basis[0].norm(), here.basis[1].norm());
+          next = nearest(ellipses, ellipse, ellipse.centre + sign * here.basis[axis], reach);
+          if (next && used[*next]) next.reset();
+          if (next) {
+            used[*next] = 1;
+            lattice.ellipse_at[cell] = *next;
+            fresh.emplace_back(cell, *next);
+          }
+        }
+        if (next) {
+          sum += sign * (ellipses[*next].centre - ellipse.centre);
+          ++count;
+        }
+      }
+      if (count > 0) here.basis[axis] = sum / count;
+    }
+    for (const auto& [cell, next] : fresh) open.push_back({cell, next, here.basis});
+  }
+  return lattice;
+}
+
+struct Bounds {
+  Cell low{std::numeric_limits<int>::max(), std::numeric_limits<int>::max()};
+  Cell high{std::numeric_limits<int>::min(), std::numeric_limits<int>::min()};
+  void add(const Cell& cell) {
+    low = {std::min(low.first, cell.first), std::min(low.second, cell.second)};
+    high = {std::max(high.first, cell.first), std::max(high.second, cell.second)};
+  }
+};
+
+// Whole-number changes of basis that keep the handedness.
+std::vector<std::array<int, 4>> basis_changes() {
+  std::vector<std::array<int, 4>> changes;
+  for (int a = -2; a <= 2; ++a) {
+    for (int b = -2; b <= 2; ++b) {
+      for (int c = -2; c <= 2; ++c) {
+        for (int d = -2; d <= 2; ++d) {
+          if (a * d - b * c == 1) changes.push_back({a, b, c, d});
+        }
+      }
+    }
+  }
+  return changes;
+}
+
+struct Placement {
+  std::map<int, std::size_t> ellipse_of;
+  bool ambiguous = false;  // shifted by a cell or more it fits as well
+};
+
+// The pattern laid over the lattice under one change of basis, at the shift where most circles meet.
+Placement place(const Lattice& lattice, const std::map<Cell, int>& id_at, const std::array<int, 4>& m) {
+  Bounds pattern_bounds, bounds;
+  std::vector<std::pair<Cell, std::size_t>> turned;
+  for (const auto& [cell, id] : id_at) pattern_bounds.add(cell);
+  for (const auto& [cell, ellipse] : lattice.ellipse_at) {
+    turned.emplace_back(Cell(m[0] * cell.first + m[1] * cell.second, m[2] * cell.first + m[3] * cell.second), ellipse);
+    bounds.add(turned.back().first);
+  }
+  // The pattern's bounds lie in the lattice's, give or take stray blobs and missing circles.
+  const auto range = [](int low, int high, int other_low, int other_high) {
+    const int a = other_low - low;
+    const int b = other_high - high;
+    return std::pair(std::min(a, b) - kShiftRoom, std::max(a, b) + kShiftRoom);
+  };
+  const auto [x0, x1] = range(bounds.low.first, bounds.high.first, pattern_bounds.low.first, pattern_bounds.high.first);
+  const auto [y0, y1] =
+      range(bounds.low.second, bounds.high.second, pattern_bounds.low.second, pattern_bounds.high.second);
+  Placement best;
+  for (int x = x0; x <= x1; ++x) {
+    for (int y = y0; y <= y1; ++y) {
+      std::map<int, std::size_t> met;
+      for (const auto& [cell, ellipse] : turned) {
+        const auto id = id_at.find({cell.first + x, cell.second + y});
+        if (id != id_at.end()) met.emplace(id->second, ellipse);
+      }
+      if (met.size() == best.ellipse_of.size()) best.ambiguous = true;
+      if (met.size() > best.ellipse_of.size()) best = {std::move(met), false};
+    }
+  }
+  return best;
+}
+
+// How far the board's x axis points to the image's right.
+double rightward(const std::vector<Ellipse>& ellipses, const CirclePattern& pattern,
+                 const std::map<int, std::size_t>& ellipse_of) {
+  Eigen::Vector2d mean_board = Eigen::Vector2d::Zero();
+  Eigen::Vector2d mean_image = Eigen::Vector2d::Zero();
+  const auto n = static_cast<double>(ellipse_of.size());
+  for (const auto& [id, i] : ellipse_of) {
+    mean_board += pattern.x_in_board[id] / n;
+    mean_image += ellipses[i].centre / n;
+  }
+  Eigen::Vector2d x_axis = Eigen::Vector2d::Zero();
+  for (const auto& [id, i] : ellipse_of) {
+    x_axis += (pattern.x_in_board[id].x() - mean_board.x()) * (ellipses[i].centre - mean_image);
+  }
+  return x_axis.x() / std::max(1e-12, x_axis.norm());
+}
+
+}  // namespace
+
+CircleMatch match_circles(const std::vector<Ellipse>& all, const CirclePattern& pattern) {
+  std::vector<Ellipse> ellipses = all;
+  if (ellipses.size() > kMostEllipses) ellipses.resize(kMostEllipses);
+  std::vector<char> used(ellipses.size(), 0);
+  Lattice largest;
+  for (std::size_t seed = 0; seed < ellipses.size(); ++seed) {
+    if (used[seed]) continue;
+    Lattice lattice = grow(ellipses, seed, used);
+    if (lattice.ellipse_at.size() > largest.ellipse_at.size()) largest = std::move(lattice);
+  }
+  CircleMatch match;
+  const std::size_t fewest =
+      static_cast<std::size_t>(std::ceil(kFewestShare * static_cast<double>(pattern.cells.size())));
+  const std::size_t seen = largest.ellipse_at.size();
+  if (2 * seen < pattern.cells.size()) return match;
+
+  std::map<Cell, int> id_at;
+  for (std::size_t id = 0; id < pattern.cells.size(); ++id) id_at[pattern.cells[id]] = static_cast<int>(id);
+  static const std::vector<std::array<int, 4>> changes = basis_changes();
+  Placement best;
+  double best_rightward = 0.0;
+  for (const std::array<int, 4>& change : changes) {
+    Placement placement = place(largest, id_at, change);
+    if (placement.ellipse_of.size() < std::max<std::size_t>(1, best.ellipse_of.size())) continue;
+    const double points_right = rightward(ellipses, pattern, placement.ellipse_of);
+    if (placement.ellipse_of.size() > best.ellipse_of.size() || points_right > best_rightward) {
+      best_rightward = points_right;
+      best = std::move(placement);
+    }
+  }
+  if (best.ellipse_of.size() >= fewest && !best.ambiguous) {
+    match.ellipse_of = std::move(best.ellipse_of);
+    return match;
+  }
+  Bounds bounds;
+  for (const auto& [cell, ellipse] : largest.ellipse_at) bounds.add(cell);
+  match.hint = fmt::format("{} circles seen in a lattice of {} x {}, where the board has {}: check columns and rows",
+                           seen, bounds.high.first - bounds.low.first + 1, bounds.high.second - bounds.low.second + 1,
+                           pattern.cells.size());
+  return match;
+}
+
+}  // namespace raybundle
