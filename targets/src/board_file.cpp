@@ -72,7 +72,7 @@ void write_board_toml(const Board& board, const fs::path& path) {
   if (auto* set = std::get_if<PointSet>(&written)) {
     set->file = fs::proximate(set->file, fs::absolute(path).parent_path()).generic_string();
   }
-  write_file_whole(path, fmt::format("# {}\n{}", word_of(board), toml_of(written)));
+  write_file_whole(path, fmt::format("# raybundle target {}\n{}", word_of(board), toml_of(written)));
 }
 
 }  // namespace raybundle

@@ -18,13 +18,13 @@
 namespace raybundle {
 namespace {
 
-// value * times / over, so that 25.4mm and 1in round to the same double as 0.0254m.
+// A decimal unit is a shift of the point, made in the text: so 23.4mm is the same double as 0.0234 in a file.
 struct Unit {
   std::string_view name;
+  std::string_view shift;
   double times;
-  double over;
 };
-constexpr std::array<Unit, 4> kUnits{{{"mm", 1.0, 1000.0}, {"cm", 1.0, 100.0}, {"in", 25.4, 1000.0}, {"m", 1.0, 1.0}}};
+constexpr std::array<Unit, 4> kUnits{{{"mm", "e-3", 1.0}, {"cm", "e-2", 1.0}, {"in", "", 0.0254}, {"m", "", 1.0}}};
 
 template <typename Number>
 std::optional<Number> number_of(std::string_view text) {
@@ -39,8 +39,9 @@ std::optional<Number> number_of(std::string_view text) {
 double length_of(std::string_view text) {
   for (const Unit& unit : kUnits) {
     if (!text.ends_with(unit.name)) continue;
-    const auto value = number_of<double>(text.substr(0, text.size() - unit.name.size()));
-    if (value) return *value * unit.times / unit.over;
+    const std::string digits(text.substr(0, text.size() - unit.name.size()));
+    const auto value = number_of<double>(digits + std::string(unit.shift));
+    if (value) return *value * unit.times;
   }
   if (number_of<double>(text)) refuse(fmt::format("\"{}\" has no unit (mm, cm, m, in)", text));
   refuse(fmt::format("\"{}\" is not a length with its unit (mm, cm, m, in)", text));

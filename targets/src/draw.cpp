@@ -45,14 +45,12 @@ cairo_status_t append(void* bytes, const unsigned char* data, unsigned int lengt
 
 void set_gray(cairo_t* context, double gray) { cairo_set_source_rgb(context, gray, gray, gray); }
 
-// All shapes are one path: filled one by one, shapes that touch would show a hairline between them.
+// All is one path: filled one by one, shapes that touch would show a hairline between them. Shapes do not overlap, so
+// that on an inverted board the even-odd rule cuts them out of the ground.
 void paint_picture(cairo_t* context, const BoardPicture& picture) {
-  if (picture.inverted) {
-    set_gray(context, 0.0);
-    cairo_rectangle(context, 0.0, 0.0, picture.size.x(), picture.size.y());
-    cairo_fill(context);
-  }
-  set_gray(context, picture.inverted ? 1.0 : 0.0);
+  set_gray(context, 0.0);
+  cairo_set_fill_rule(context, CAIRO_FILL_RULE_EVEN_ODD);
+  if (picture.inverted) cairo_rectangle(context, 0.0, 0.0, picture.size.x(), picture.size.y());
   for (const PictureRectangle& shape : picture.rectangles) {
     cairo_rectangle(context, shape.corner.x(), shape.corner.y(), shape.size.x(), shape.size.y());
   }

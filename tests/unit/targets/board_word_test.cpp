@@ -87,6 +87,13 @@ TEST(BoardWord, GivesBackEveryLengthBitByBit) {
   }
 }
 
+TEST(BoardWord, WritesMillimetresForTheLengthsThatFilesHold) {
+  for (int tenths = 1; tenths < 3000; ++tenths) {
+    const double length_m = std::stod(std::to_string(tenths) + "e-4");
+    EXPECT_THAT(word_of(Chessboard{9, 6, length_m}), testing::EndsWith("mm"));
+  }
+}
+
 TEST(BoardWord, ReadsAPointList) {
   const std::string path = testing::TempDir() + "board_word_points.csv";
   std::ofstream(path) << "point_id,x,y,z\n7,0.1,0.2,0.3\n3,0,0,0\n4,1,0,0\n5,0,1,0\n";
