@@ -15,7 +15,4 @@ install(FILES
   ${CMAKE_CURRENT_LIST_DIR}/RaybundleDependencies.cmake ${CMAKE_CURRENT_LIST_DIR}/FindAprilTag.cmake
   DESTINATION ${package_folder})
 
-if(TARGET raybundle)
-  install(TARGETS raybundle)
-endif()
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION share/doc/raybundle)
