@@ -171,19 +171,20 @@ struct PlaneDistortion {
     return 0.0;
   }
 
-  /// Inverse of the radial profile; `limit`, kept just inside, for radii beyond the profile's top.
+  /// Inverse of the radial profile; `limit`, kept just inside, for radii beyond the profile's top. The equation is
+  /// solved without its denominator: near a pole the profile is so steep that Newton would stand still.
   static double radius_from_distorted(const double* k, double target, double limit) {
-    const auto profile = [k](double r) {
+    const auto excess = [k, target](double r) {
       const double r2 = r * r;
-      const double inverse_below = 1.0 / denominator(k, r2);
-      const double scale = numerator(k, r2) * inverse_below;
-      const double slope = (numerator_slope(k, r2) - scale * denominator_slope(k, r2)) * inverse_below;
-      return ValueAndSlope{r * scale, scale + 2.0 * r2 * slope};
+      const double above = numerator(k, r2);
+      const double slope = numerator_slope(k, r2);
+      return ValueAndSlope{r * above - target * denominator(k, r2),
+                           above + 2.0 * r2 * slope - 2.0 * r * target * denominator_slope(k, r2)};
     };
     double high = std::min(limit, std::max(2.0 * target, 1e-3));
-    while (high < limit && high < 1e9 && profile(high).value < target) high = std::min(limit, 2.0 * high);
-    if (!(profile(high).value >= target)) return 0.999 * high;
-    return solve_increasing(profile, target, 0.0, high, std::min(target, high));
+    while (high < limit && high < 1e9 && excess(high).value < 0) high = std::min(limit, 2.0 * high);
+    if (!(excess(high).value >= 0)) return 0.999 * high;
+    return solve_increasing(excess, 0.0, 0.0, high, std::min(target, high));
   }
 
   struct Newton {

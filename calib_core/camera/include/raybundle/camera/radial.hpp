@@ -16,7 +16,7 @@ struct ValueAndSlope {
   double slope;
 };
 
-/// The x in [low, high] with f(x) = target, for an f that increases there.
+/// The x in [low, high] with f(x) = target, for an f that is below the target up to there and above it from there on.
 /// Newton, with a bisection wherever a step would leave the bracket.
 ///
 /// @param f      x -> ValueAndSlope

@@ -14,9 +14,10 @@ namespace raybundle {
 ///   d1 = |(x, y, z)|,  ζ = xi d1 + z,  d2 = √(x² + y² + ζ²)
 ///   plane = (x, y) / (alpha d2 + (1 - alpha) ζ)
 ///
-/// Source: Usenko, Demmel and Cremers, "The double sphere camera model", 3DV 2018, eq. 40-42 and 46-50.
-/// Domain: where ζ > -w1 d2 and the first sphere is seen from its outside, d1 + xi z > 0. Deviation: the paper's
-/// z > -w2 d1 (eq. 43-45) is sufficient for that; here is the exact bound.
+/// Source: Usenko, Demmel and Cremers, "The double sphere camera model", 3DV 2018.
+/// Domain: where ζ > -w1 d2 and the first sphere is seen from its outside, d1 + xi z > 0. Deviation: the paper's bound
+/// z > -w2 d1 is another one unless xi = 0 or w1 = 1, sometimes stricter and sometimes beyond the fold; here is the
+/// exact one.
 /// The start shape is the stereographic lens, radius 2 tan(θ/2).
 struct DoubleSphere {
   static constexpr std::string_view kName = "double_sphere";

@@ -13,7 +13,7 @@ namespace raybundle {
 ///
 ///   d = √(beta (x² + y²) + z²),  plane = (x, y) / (alpha d + (1 - alpha) z)
 ///
-/// Source: Khomutenko, Garcia and Martinet, "An enhanced unified camera model", RA-L 2016, eq. 12 and 14.
+/// Source: Khomutenko, Garcia and Martinet, "An enhanced unified camera model", RA-L 2016.
 /// Domain: beta > 0, and z > -w d with w = (1 - alpha) / alpha for alpha > 0.5, else alpha / (1 - alpha).
 /// The start shape is the stereographic lens, radius 2 tan(θ/2).
 struct ExtendedUnified {

@@ -12,8 +12,8 @@ namespace raybundle {
 ///
 ///   r = arctan(2 ρ tan(w/2) / z) / w,  plane = r (x, y) / ρ
 ///
-/// Source: Devernay and Faugeras, "Straight lines have to be straight", Machine Vision and Applications 2001, eq.
-/// 13-14. Deviation: the arctangent of (ρ, z) as two arguments continues the profile beyond 90° and up to r = π / w.
+/// Source: Devernay and Faugeras, "Straight lines have to be straight", Machine Vision and Applications 2001.
+/// Deviation: the arctangent of (ρ, z) as two arguments continues the profile beyond 90° and up to r = π / w.
 /// Domain: every ray but the one straight behind, |w| < π [rad]; the sign of w has no meaning. w -> 0 is the pinhole.
 /// The start shape, 2 tan(w/2) = 1, is the equidistant lens, radius θ / w.
 struct FieldOfView {

@@ -17,7 +17,7 @@ namespace raybundle {
 ///   x' = s u + 2 p1 u v + p2 (r² + 2 u²)
 ///   y' = s v + p1 (r² + 2 v²) + 2 p2 u v
 ///
-/// Source: Mei and Rives, "Single view point omnidirectional camera calibration from planar grids", ICRA 2007, eq. 1-6;
+/// Source: Mei and Rives, "Single view point omnidirectional camera calibration from planar grids", ICRA 2007;
 /// terms and order as in cv::omnidir with zero skew.
 /// Domain: z > -xi d for xi <= 1, z > -d / xi above, d = |(x, y, z)|; and up to where r s(r) folds back.
 /// The start shape is the stereographic lens, radius tan(θ/2): half as steep as the angle itself.
