@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "board_agreement.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,6 +14,9 @@
 
 namespace raybundle {
 namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr std::size_t kMaxHypotheses = 60;
 
@@ -34,6 +38,28 @@ Rigid3 motion_of(const Target& target, const TargetSymmetry& symmetry) {
   return {Eigen::Quaterniond(rotation), image_centre - rotation * centre};
 }
 
+/// PosedView::covariance of a view as labelled.
+Matrix6 covariance_of(const Target& target, const TargetView& view, const Rigid3& camera_from_target,
+                      const Eigen::Vector3d& centre_in_target) {
+  const Eigen::Matrix3d rotation = camera_from_target.rotation.toRotationMatrix();
+  Matrix6 information = Matrix6::Zero();
+  for (const Observation& observation : view.observations) {
+    const TargetPoint* point = target.find(observation.point_id);
+    if (!point) continue;
+    const Eigen::Vector3d x = camera_from_target * point->x_in_target;
+    const Eigen::Vector3d direction = x.normalized();
+    Eigen::Matrix<double, 3, 6> jacobian;
+    jacobian.leftCols<3>() = -rotation * skew(point->x_in_target - centre_in_target);
+    jacobian.rightCols<3>() = rotation;
+    jacobian = ((jacobian - direction * (direction.transpose() * jacobian)) / x.norm()).eval();
+    information += jacobian.transpose() * jacobian;
+  }
+  const Vector6 scale = information.diagonal().cwiseMax(1e-30).cwiseSqrt().cwiseInverse();
+  Matrix6 scaled = scale.asDiagonal() * information * scale.asDiagonal();
+  scaled.diagonal().array() += 1e-9;  // corners on one line leave a turn about it open
+  return scale.asDiagonal() * scaled.ldlt().solve(Matrix6::Identity()) * scale.asDiagonal();
+}
+
 PosedView posed_view(const CalibrationProblem& problem, int index, const Rigid3& pose) {
   const TargetView& view = problem.views[index];
   const Target& target = problem.targets[view.target];
@@ -48,18 +74,13 @@ PosedView posed_view(const CalibrationProblem& problem, int index, const Rigid3&
   for (const TargetPoint& point : target.points) points.push_back(point.x_in_target);
   posed.centre_in_target = principal_frame(points).centre;
 
-  // A board's tilt shows by foreshortening, to first order when it is tilted and to second when it faces the camera.
-  points.clear();
-  for (const Observation& observation : view.observations) {
-    if (const TargetPoint* point = target.find(observation.point_id)) points.push_back(point->x_in_target);
+  for (std::size_t k = 0; k < posed.camera_from_target.size(); ++k) {
+    const Eigen::Matrix3d label_from_target =
+        (posed.camera_from_target[k].rotation.conjugate() * pose.rotation).toRotationMatrix();
+    Matrix6 turn = Matrix6::Zero();
+    turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = label_from_target;
+    posed.covariance.push_back(turn * covariance_of(target, view, pose, posed.centre_in_target) * turn.transpose());
   }
-  const PrincipalFrame frame = principal_frame(points);
-  const Eigen::Vector3d sight = pose * frame.centre;
-  const Eigen::Vector3d normal = pose.rotation * Eigen::Vector3d(frame.local_from_target.row(2));
-  const double angular_size = std::sqrt(frame.spread[0] * frame.spread[1]) / sight.norm();
-  const double foreshortening = normal.cross(sight).norm() / sight.norm();
-  posed.looseness = 1.0 / (std::sqrt(static_cast<double>(points.size())) * angular_size *
-                           std::clamp(std::max(angular_size, foreshortening), 0.05, 0.5));
   return posed;
 }
 
@@ -75,30 +96,37 @@ std::vector<double> sizes(const Pairs& pairs, const Rigid3& b_from_a) {
   return result;
 }
 
-/// Mean of the relative poses of frames within the limit: rotations first, then where they put the boards.
-Rigid3 mean_pose(const Pairs& pairs, const Rigid3& b_from_a, double limit) {
-  Eigen::Matrix3d rotations = Eigen::Matrix3d::Zero();
+/// Motion of the board, in its own frame at its centre, from where `b` has it to where `expected` has it.
+Vector6 motion_in_board(const PosedView& b, int labelling, const Rigid3& expected) {
+  const Rigid3& seen = b.camera_from_target[labelling];
+  Vector6 motion;
+  motion.head<3>() = vector_from_rotation((seen.rotation.conjugate() * expected.rotation).toRotationMatrix());
+  motion.tail<3>() = seen.rotation.conjugate() * (expected * b.centre_in_target - seen * b.centre_in_target);
+  return motion;
+}
+
+/// Least squares over the frames within the limit, one Gauss-Newton step from a pose near by.
+Rigid3 improved_pose(const Pairs& pairs, const Rigid3& b_from_a, double limit) {
+  Matrix6 normal = Matrix6::Zero();
+  Vector6 right = Vector6::Zero();
   for (const auto& [a, b] : pairs) {
     const Disagreement d = disagreement(*a, 0, *b, b_from_a);
     if (!(d.size <= limit)) continue;
-    const double weight = 1.0 / (a->looseness * a->looseness + b->looseness * b->looseness);
-    rotations += weight * relative_pose(*a, *b, d.labelling).rotation.toRotationMatrix();
+    const Rigid3 expected = b_from_a * a->camera_from_target[0];
+    const Eigen::Matrix3d board_from_camera =
+        b->camera_from_target[d.labelling].rotation.conjugate().toRotationMatrix();
+    // perturbed(b_from_a, (w, v)) moves the board's centre by v and by w across its arm from the translation.
+    const Eigen::Vector3d arm = expected * b->centre_in_target - b_from_a.translation;
+    Matrix6 jacobian = Matrix6::Zero();
+    jacobian.topLeftCorner<3, 3>() = board_from_camera;
+    jacobian.bottomLeftCorner<3, 3>() = -board_from_camera * skew(arm);
+    jacobian.bottomRightCorner<3, 3>() = board_from_camera;
+    const Matrix6 weighted = (a->covariance[0] + b->covariance[d.labelling]).ldlt().solve(jacobian);
+    normal += jacobian.transpose() * weighted;
+    right -= weighted.transpose() * motion_in_board(*b, d.labelling, expected);
   }
-  Rigid3 mean;
-  mean.rotation = Eigen::Quaterniond(nearest_rotation(rotations)).normalized();
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  double weights = 0.0;
-  for (const auto& [a, b] : pairs) {
-    const Disagreement d = disagreement(*a, 0, *b, b_from_a);
-    if (!(d.size <= limit)) continue;
-    const double weight = 1.0 / (a->looseness * a->looseness + b->looseness * b->looseness);
-    sum += weight * (b->camera_from_target[d.labelling] * b->centre_in_target -
-                     mean.rotation * (a->camera_from_target[0] * a->centre_in_target));
-    weights += weight;
-  }
-  if (!(weights > 0)) return b_from_a;
-  mean.translation = sum / weights;
-  return mean;
+  const Vector6 step = normal.ldlt().solve(right);
+  return step.allFinite() ? perturbed(b_from_a, step) : b_from_a;
 }
 
 }  // namespace
@@ -124,16 +152,16 @@ std::vector<SharedBoard> shared_boards(const CalibrationProblem& problem,
 
 Disagreement disagreement(const PosedView& a, int a_labelling, const PosedView& b, const Rigid3& b_from_a) {
   const Rigid3 expected = b_from_a * a.camera_from_target[a_labelling];
-  const Eigen::Vector3d centre = expected * b.centre_in_target;
   Disagreement best;
   best.size = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < b.camera_from_target.size(); ++k) {
     Disagreement d;
     d.labelling = static_cast<int>(k);
-    d.angle_rad = angle_between(expected, b.camera_from_target[k]);
-    const Eigen::Vector3d seen = b.camera_from_target[k] * b.centre_in_target;
-    d.distance_m = (centre - seen).norm();
-    d.size = (d.angle_rad + d.distance_m / seen.norm()) / std::hypot(a.looseness, b.looseness);
+    const Vector6 motion = motion_in_board(b, d.labelling, expected);
+    d.angle_rad = motion.head<3>().norm();
+    d.distance_m = motion.tail<3>().norm();
+    const Matrix6 covariance = a.covariance[a_labelling] + b.covariance[k];
+    d.size = std::sqrt(std::max(0.0, motion.dot(covariance.ldlt().solve(motion))) / 6.0);
     if (d.size < best.size) best = d;
   }
   return best;
@@ -154,11 +182,11 @@ PairConsensus pair_consensus(const Pairs& pairs) {
       consensus.b_from_a = hypothesis;
     }
   }
-  for (int round = 0; round < 3; ++round) {
+  for (int round = 0; round < 4; ++round) {
     std::vector<double> errors = sizes(pairs, consensus.b_from_a);
-    consensus.spread = 1.4826 * quantile(errors, 0.5);
-    if (round < 2) {
-      consensus.b_from_a = mean_pose(pairs, consensus.b_from_a, 0.5 * agreement_limit(consensus.spread));
+    consensus.spread = quantile(errors, 0.5);
+    if (round < 3) {
+      consensus.b_from_a = improved_pose(pairs, consensus.b_from_a, 0.5 * agreement_limit(consensus.spread));
     }
   }
   for (const double size : sizes(pairs, consensus.b_from_a)) {
@@ -168,8 +196,8 @@ PairConsensus pair_consensus(const Pairs& pairs) {
 }
 
 double agreement_limit(double spread) {
-  constexpr double kNoise = 1e-5;  // what a twentieth of a pixel does at least: exact data has no spread to measure by
-  return 8.0 * std::max(spread, kNoise);
+  constexpr double kNoiseRad = 2e-5;  // a fiftieth of a pixel: exact data has no spread to measure by
+  return 6.0 * std::max(spread, kNoiseRad);
 }
 
 }  // namespace raybundle

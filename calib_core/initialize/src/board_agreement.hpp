@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <vector>
 
@@ -15,7 +16,11 @@ struct PosedView {
   int camera = 0;
   std::vector<Rigid3> camera_from_target;  ///< as labelled, then relabelled by each of the target's symmetries
   Eigen::Vector3d centre_in_target = Eigen::Vector3d::Zero();
-  double looseness = 1.0;  ///< error to be expected for equal pixel noise, up to a common factor
+  /// Of each labelling's pose for rays that are 1 rad uncertain: rotation, then translation, in the board's own frame
+  /// at its centre, so that views of one board compare without transport.
+  std::vector<Eigen::Matrix<double, 6, 6>> covariance;
+
+  double looseness() const { return covariance.front().topLeftCorner<3, 3>().trace(); }
 };
 
 /// Views of one board in one moment.
@@ -33,7 +38,7 @@ std::vector<SharedBoard> shared_boards(const CalibrationProblem& problem,
 struct Disagreement {
   double angle_rad = 0.0;
   double distance_m = 0.0;  ///< of the board's centre
-  double size = 0.0;        ///< angle plus distance as seen from the camera, over the expected error
+  double size = 0.0;        ///< [rad] noise of the rays that would explain it (Mahalanobis distance over sqrt 6)
   int labelling = 0;        ///< of the second view, the one that agrees best
 };
 
@@ -44,10 +49,10 @@ Disagreement disagreement(const PosedView& a, int a_labelling, const PosedView& 
 struct PairConsensus {
   Rigid3 b_from_a;
   int agreeing = 0;     ///< frames
-  double spread = 0.0;  ///< robust standard deviation of Disagreement::size
+  double spread = 0.0;  ///< median of Disagreement::size
 };
 
-/// Least median over the frames, then the mean of those that agree.
+/// Least median over the frames, then least squares over those that agree.
 ///
 /// @param pairs  views of the same board by camera a and camera b, at least one
 PairConsensus pair_consensus(const std::vector<std::pair<const PosedView*, const PosedView*>>& pairs);

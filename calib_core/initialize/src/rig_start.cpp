@@ -95,7 +95,7 @@ Opinion best_opinion(const SharedBoard& board, const std::vector<Rigid3>& camera
   for (std::size_t r = 0; r < board.views.size(); ++r) {
     Opinion opinion = opinion_of(board, r, camera_from_rig, limit);
     if (!best || opinion.agreeing > best->agreeing ||
-        (opinion.agreeing == best->agreeing && board.views[r].looseness < board.views[best->reference].looseness)) {
+        (opinion.agreeing == best->agreeing && board.views[r].looseness() < board.views[best->reference].looseness())) {
       best = std::move(opinion);
     }
   }
@@ -126,7 +126,7 @@ double common_spread(const std::vector<SharedBoard>& boards, const std::vector<R
       if (i != opinion.reference) sizes.push_back(opinion.of_views[i].size);
     }
   }
-  return sizes.empty() ? 0.0 : 1.4826 * quantile(sizes, 0.5);
+  return sizes.empty() ? 0.0 : quantile(sizes, 0.5);
 }
 
 }  // namespace
