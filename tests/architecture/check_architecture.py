@@ -40,7 +40,7 @@ LIBRARIES = {
     "Embree": (r"embree", ["synthetic"], False),
     "OpenSSL": (r"openssl/", ["io"], False),
     "nlohmann-json": (r"nlohmann/", ["io", "targets"], False),
-    "toml++": (r"toml\+\+/|toml\.hpp", ["io", "targets", "synthetic"], False),
+    "toml++": (r"toml\+\+/|toml\.hpp", ["io", "targets", "synthetic"], True),
     "yaml-cpp": (r"yaml-cpp/", ["io"], False),
     "spdlog": (r"spdlog/", [], False),
     "CLI11": (r"CLI/", [], False),
@@ -50,6 +50,7 @@ LIBRARIES = {
 MAX_LINES = 400
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 SOURCES = (".cpp", ".hpp")
+IGNORED = ("build", "corpus", "__pycache__")  # folders; a corpus holds inputs, not sources
 WITH_SPDX = (".cpp", ".hpp", ".h", ".py", ".cmake", ".toml", ".sh")
 SPDX = ("SPDX-FileCopyrightText: ", "SPDX-License-Identifier: Apache-2.0")
 
@@ -74,7 +75,7 @@ def reachable(module):
 
 def project_files(root):
     for folder, folders, files in os.walk(root):
-        folders[:] = sorted(f for f in folders if f not in ("build", "__pycache__") and not f.startswith("."))
+        folders[:] = sorted(f for f in folders if f not in IGNORED and not f.startswith("."))
         for name in sorted(files):
             yield os.path.relpath(os.path.join(folder, name), root)
 
