@@ -73,6 +73,7 @@ std::vector<Observation> detect_chessboard(const cv::Mat& gray, const Chessboard
     std::vector<Lattice> lattices = linked_lattices(saddle_candidates(blurred), blurred);
     if (lattices.size() > 3) lattices.resize(3);
     for (const Lattice& seed : lattices) {
+      if (4 * seed.size() < lattices.front().size() || seed.size() <= best.size() / 2) break;  // largest first
       Lattice lattice = grown(levels, level, seed, longest);
       trim_lattice(lattice, board);
       const auto placed = placed_on_board(lattice, closed_sides(gray, lattice), board);

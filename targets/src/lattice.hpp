@@ -24,6 +24,12 @@ using Lattice = std::map<LatticePlace, Saddle>;
 /// @param blurred  the image in which the candidates were found
 std::vector<Lattice> linked_lattices(const std::vector<SaddleCandidate>& candidates, const cv::Mat& blurred);
 
+/// True when an edge runs all the way from one corner to the next, bright on the expected side.
+///
+/// @param least_contrast  grey values between the two sides, near the line or at a fifth of the length beside it
+bool edge_between(const cv::Mat& image, const Eigen::Vector2f& from, const Eigen::Vector2f& to, bool bright_clockwise,
+                  float least_contrast);
+
 /// The window of a corner from its neighbours' places, whether or not the corner itself is on the lattice.
 ///
 /// @param at  pixel of the corner
@@ -35,8 +41,10 @@ std::optional<Eigen::Vector2d> predicted_on_lattice(const Lattice& lattice, Latt
 
 /// Refines a corner where the lattice expects it; nothing when there is no saddle of the lattice's orientation,
 /// polarity and contrast within a fraction of a square.
+///
+/// @param longest_half  [px] as in SaddleWindow: small to look, large to measure
 std::optional<Saddle> refined_on_lattice(const cv::Mat& gray, const Lattice& lattice, LatticePlace place,
-                                         const Eigen::Vector2d& start);
+                                         const Eigen::Vector2d& start, double longest_half = 11.0);
 
 /// Refines all corners, drops those that are not corners, then adds missing ones while neighbours predict them.
 ///

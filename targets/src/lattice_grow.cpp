@@ -11,6 +11,8 @@
 namespace raybundle {
 namespace {
 
+constexpr double kLook_px = 6.0;  // half-window while the lattice grows: a third of the work of the last refinement
+
 constexpr std::array<LatticePlace, 4> kSides{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
 
 LatticePlace moved(LatticePlace place, LatticePlace by, int times = 1) {
@@ -120,12 +122,37 @@ Extent extent_of(const Lattice& lattice) {
 }
 
 /// Refines every corner against the present lattice and drops the ones that fail.
-void refine_all(const cv::Mat& gray, Lattice& lattice) {
+void refine_all(const cv::Mat& gray, Lattice& lattice, double longest_half) {
   Lattice refined;
   for (const auto& [place, saddle] : lattice) {
-    if (const auto better = refined_on_lattice(gray, lattice, place, saddle.pixel)) refined.emplace(place, *better);
+    if (const auto better = refined_on_lattice(gray, lattice, place, saddle.pixel, longest_half))
+      refined.emplace(place, *better);
   }
   lattice = std::move(refined);
+}
+
+/// Drops corners that no edges join to most of their neighbours: chance saddles where the board's border meets things.
+void drop_unsupported(const cv::Mat& gray, Lattice& lattice) {
+  constexpr double kPart = 0.25;  // of the fainter corner's contrast
+  for (int round = 0; round < 3; ++round) {
+    std::vector<LatticePlace> unsupported;
+    for (const auto& [place, saddle] : lattice) {
+      int joined = 0, apart = 0;
+      for (int side = 0; side < 4; ++side) {
+        const auto next = lattice.find(moved(place, kSides[side]));
+        if (next == lattice.end()) continue;
+        // Clockwise of the way to larger x is bright at even places, to larger y at odd ones, and so on around.
+        const bool bright = (place.first + place.second + side) % 2 == 0;
+        const float least = static_cast<float>(kPart * std::min(saddle.contrast, next->second.contrast));
+        const bool edge =
+            edge_between(gray, saddle.pixel.cast<float>(), next->second.pixel.cast<float>(), bright, least);
+        (edge ? joined : apart) += 1;
+      }
+      if (joined <= apart) unsupported.push_back(place);
+    }
+    if (unsupported.empty()) return;
+    for (const LatticePlace& place : unsupported) lattice.erase(place);
+  }
 }
 
 /// Drops corners that lie off the place their neighbours give by much more than is usual on this lattice.
@@ -207,10 +234,11 @@ std::optional<Eigen::Vector2d> predicted_on_lattice(const Lattice& lattice, Latt
 }
 
 std::optional<Saddle> refined_on_lattice(const cv::Mat& gray, const Lattice& lattice, LatticePlace place,
-                                         const Eigen::Vector2d& start) {
-  const auto window = window_on_lattice(lattice, place, start);
+                                         const Eigen::Vector2d& start, double longest_half) {
+  auto window = window_on_lattice(lattice, place, start);
   if (!window) return std::nullopt;
-  auto saddle = refine_saddle(gray, start, *window);
+  window->longest_half = longest_half;
+  const auto saddle = refine_saddle(gray, start, *window);
   if (!saddle || !fits_lattice(*saddle, place, window->half_x, window->half_y)) return std::nullopt;
   constexpr double kFaintest = 0.2;  // of the contrast nearby
   if (saddle->contrast < kFaintest * typical_contrast(lattice, place)) return std::nullopt;
@@ -218,7 +246,7 @@ std::optional<Saddle> refined_on_lattice(const cv::Mat& gray, const Lattice& lat
 }
 
 void grow_lattice(const cv::Mat& gray, Lattice& lattice, int longest) {
-  refine_all(gray, lattice);
+  refine_all(gray, lattice, kLook_px);
   std::map<LatticePlace, std::size_t> tried;  // with how many corners around: a place deserves another try when more
   while (!lattice.empty()) {
     std::set<LatticePlace> open;
@@ -239,14 +267,15 @@ void grow_lattice(const cv::Mat& gray, Lattice& lattice, int longest) {
       tried[place] = around;
       const auto start = predicted_on_lattice(lattice, place);
       if (!start) continue;
-      const auto saddle = refined_on_lattice(gray, lattice, place, *start);
+      const auto saddle = refined_on_lattice(gray, lattice, place, *start, kLook_px);
       if (!saddle) continue;
       lattice.emplace(place, *saddle);
       ++added;
     }
     if (added == 0) break;
   }
-  refine_all(gray, lattice);
+  drop_unsupported(gray, lattice);
+  refine_all(gray, lattice, SaddleWindow{}.longest_half);
   drop_outliers(lattice);
 }
 

@@ -26,25 +26,6 @@ float grey_at(const cv::Mat& image, const Eigen::Vector2f& pixel) {
   return static_cast<float>(image.at<uchar>(y, x));
 }
 
-/// True when an edge runs all the way, bright on the expected side; near the line or at a fifth of the length beside
-/// it.
-bool edge_between(const cv::Mat& image, const Eigen::Vector2f& from, const Eigen::Vector2f& to, bool bright_clockwise,
-                  float least_contrast) {
-  const Eigen::Vector2f along = to - from;
-  const float length = along.norm();
-  Eigen::Vector2f clockwise = Eigen::Vector2f(-along.y(), along.x()) / length;
-  if (!bright_clockwise) clockwise = -clockwise;
-  for (const float beside : {std::clamp(0.2F * length, 1.0F, 2.0F), std::max(1.0F, 0.2F * length)}) {
-    bool runs = true;
-    for (const float part : {0.3F, 0.4F, 0.5F, 0.6F, 0.7F}) {
-      const Eigen::Vector2f at = from + part * along;
-      runs = runs && grey_at(image, at + beside * clockwise) - grey_at(image, at - beside * clockwise) > least_contrast;
-    }
-    if (runs) return true;
-  }
-  return false;
-}
-
 /// The nearest candidate along each ray whose own ray looks back and which an edge joins.
 Links nearest_links(const std::vector<SaddleCandidate>& candidates, const cv::Mat& blurred) {
   const int n = static_cast<int>(candidates.size());
@@ -119,6 +100,23 @@ Lattice walked(const std::vector<SaddleCandidate>& candidates, const Links& link
 }
 
 }  // namespace
+
+bool edge_between(const cv::Mat& image, const Eigen::Vector2f& from, const Eigen::Vector2f& to, bool bright_clockwise,
+                  float least_contrast) {
+  const Eigen::Vector2f along = to - from;
+  const float length = along.norm();
+  Eigen::Vector2f clockwise = Eigen::Vector2f(-along.y(), along.x()) / length;
+  if (!bright_clockwise) clockwise = -clockwise;
+  for (const float beside : {std::clamp(0.2F * length, 1.0F, 2.0F), std::max(1.0F, 0.2F * length)}) {
+    bool runs = true;
+    for (const float part : {0.3F, 0.4F, 0.5F, 0.6F, 0.7F}) {
+      const Eigen::Vector2f at = from + part * along;
+      runs = runs && grey_at(image, at + beside * clockwise) - grey_at(image, at - beside * clockwise) > least_contrast;
+    }
+    if (runs) return true;
+  }
+  return false;
+}
 
 std::vector<Lattice> linked_lattices(const std::vector<SaddleCandidate>& candidates, const cv::Mat& blurred) {
   constexpr std::size_t kSmallest = 6;

@@ -27,6 +27,8 @@ struct SaddleWindow {
   Eigen::Vector2d half_y = Eigen::Vector2d::UnitY();  ///< [px] half-side along the other edge
   double bend_x = 0.0;  ///< [1/px] curvature of the edge along half_x, positive towards half_x turned clockwise
   double bend_y = 0.0;  ///< [1/px] the same for the edge along half_y
+  /// [px] half-sides are cut to this: larger windows cost time and bring the lens's curvature, not accuracy
+  double longest_half = 11.0;
 };
 
 /// Refines a saddle near `start`, or finds that there is none.
