@@ -119,11 +119,12 @@ std::vector<TargetPoint> points_of(const Charuco& board) {
 std::vector<TargetPoint> points_of(const Circles& board) { return grid(board.columns, board.rows, board.spacing_m); }
 
 std::vector<TargetPoint> points_of(const AsymmetricCircles& board) {
+  const int shift = board.first_row_shifted ? 1 : 0;
   const double row_step_m = board.row_step_m > 0.0 ? board.row_step_m : board.spacing_m;
   std::vector<TargetPoint> points;
   for (int row = 0; row < board.rows; ++row) {
     for (int column = 0; column < board.columns; ++column) {
-      const double x = (2 * column + row % 2) * board.spacing_m;
+      const double x = (2 * column + (row + shift) % 2) * board.spacing_m;
       points.push_back({row * board.columns + column, {x, row * row_step_m, 0.0}});
     }
   }

@@ -93,7 +93,9 @@ BoardKind asymmetric_circles() {
            field(&AsymmetricCircles::spacing_m, "spacing_m", kLength, kRequired,
                  "half the distance between neighbours in a row [m]"),
            field(&AsymmetricCircles::row_step_m, "row_step_m", kLength, kOptional,
-                 "between neighbouring rows; without it as spacing_m [m]")}};
+                 "between neighbouring rows; without it as spacing_m [m]"),
+           field(&AsymmetricCircles::first_row_shifted, "first_row_shifted", kFlag, kOptional,
+                 "the first row is shifted, and not the second")}};
 }
 
 BoardKind points() {

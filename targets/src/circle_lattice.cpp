@@ -129,13 +129,13 @@ struct Bounds {
   }
 };
 
-// Whole-number changes of basis that keep the handedness.
+// Changes between short bases of one lattice that keep the handedness.
 std::vector<std::array<int, 4>> basis_changes() {
   std::vector<std::array<int, 4>> changes;
-  for (int a = -2; a <= 2; ++a) {
-    for (int b = -2; b <= 2; ++b) {
-      for (int c = -2; c <= 2; ++c) {
-        for (int d = -2; d <= 2; ++d) {
+  for (int a = -1; a <= 1; ++a) {
+    for (int b = -1; b <= 1; ++b) {
+      for (int c = -1; c <= 1; ++c) {
+        for (int d = -1; d <= 1; ++d) {
           if (a * d - b * c == 1) changes.push_back({a, b, c, d});
         }
       }
@@ -149,11 +149,30 @@ struct Placement {
   bool ambiguous = false;  // shifted by a cell or more it fits as well
 };
 
+/// Point ids of a pattern by cell; -1 where it has none.
+struct Sheet {
+  Bounds bounds;
+  std::vector<int> ids;
+  explicit Sheet(const std::vector<Cell>& cells) {
+    for (const Cell& cell : cells) bounds.add(cell);
+    ids.assign(static_cast<std::size_t>(width()) * (bounds.high.second - bounds.low.second + 1), -1);
+    for (std::size_t id = 0; id < cells.size(); ++id) ids[index(cells[id])] = static_cast<int>(id);
+  }
+  int width() const { return bounds.high.first - bounds.low.first + 1; }
+  std::size_t index(const Cell& cell) const {
+    return static_cast<std::size_t>(cell.second - bounds.low.second) * width() + (cell.first - bounds.low.first);
+  }
+  int at(const Cell& cell) const {
+    const bool inside = cell.first >= bounds.low.first && cell.first <= bounds.high.first &&
+                        cell.second >= bounds.low.second && cell.second <= bounds.high.second;
+    return inside ? ids[index(cell)] : -1;
+  }
+};
+
 // The pattern laid over the lattice under one change of basis, at the shift where most circles meet.
-Placement place(const Lattice& lattice, const std::map<Cell, int>& id_at, const std::array<int, 4>& m) {
-  Bounds pattern_bounds, bounds;
+Placement place(const Lattice& lattice, const Sheet& sheet, const std::array<int, 4>& m) {
+  Bounds bounds;
   std::vector<std::pair<Cell, std::size_t>> turned;
-  for (const auto& [cell, id] : id_at) pattern_bounds.add(cell);
   for (const auto& [cell, ellipse] : lattice.ellipse_at) {
     turned.emplace_back(Cell(m[0] * cell.first + m[1] * cell.second, m[2] * cell.first + m[3] * cell.second), ellipse);
     bounds.add(turned.back().first);
@@ -164,20 +183,27 @@ Placement place(const Lattice& lattice, const std::map<Cell, int>& id_at, const 
     const int b = other_high - high;
     return std::pair(std::min(a, b) - kShiftRoom, std::max(a, b) + kShiftRoom);
   };
-  const auto [x0, x1] = range(bounds.low.first, bounds.high.first, pattern_bounds.low.first, pattern_bounds.high.first);
-  const auto [y0, y1] =
-      range(bounds.low.second, bounds.high.second, pattern_bounds.low.second, pattern_bounds.high.second);
+  const Bounds& goal = sheet.bounds;
+  const auto [x0, x1] = range(bounds.low.first, bounds.high.first, goal.low.first, goal.high.first);
+  const auto [y0, y1] = range(bounds.low.second, bounds.high.second, goal.low.second, goal.high.second);
+  std::size_t most = 0;
+  Cell shift;
   Placement best;
   for (int x = x0; x <= x1; ++x) {
     for (int y = y0; y <= y1; ++y) {
-      std::map<int, std::size_t> met;
-      for (const auto& [cell, ellipse] : turned) {
-        const auto id = id_at.find({cell.first + x, cell.second + y});
-        if (id != id_at.end()) met.emplace(id->second, ellipse);
-      }
-      if (met.size() == best.ellipse_of.size()) best.ambiguous = true;
-      if (met.size() > best.ellipse_of.size()) best = {std::move(met), false};
+      const auto met = static_cast<std::size_t>(std::ranges::count_if(turned, [&](const auto& entry) {
+        return sheet.at({entry.first.first + x, entry.first.second + y}) >= 0;
+      }));
+      if (met == most) best.ambiguous = true;
+      if (met <= most) continue;
+      most = met;
+      shift = {x, y};
+      best.ambiguous = false;
     }
+  }
+  for (const auto& [cell, ellipse] : turned) {
+    const int id = sheet.at({cell.first + shift.first, cell.second + shift.second});
+    if (id >= 0) best.ellipse_of.emplace(id, ellipse);
   }
   return best;
 }
@@ -217,13 +243,12 @@ CircleMatch match_circles(const std::vector<Ellipse>& all, const CirclePattern& 
   const std::size_t seen = largest.ellipse_at.size();
   if (2 * seen < pattern.cells.size()) return match;
 
-  std::map<Cell, int> id_at;
-  for (std::size_t id = 0; id < pattern.cells.size(); ++id) id_at[pattern.cells[id]] = static_cast<int>(id);
+  const Sheet sheet(pattern.cells);
   static const std::vector<std::array<int, 4>> changes = basis_changes();
   Placement best;
   double best_rightward = 0.0;
   for (const std::array<int, 4>& change : changes) {
-    Placement placement = place(largest, id_at, change);
+    Placement placement = place(largest, sheet, change);
     if (placement.ellipse_of.size() < std::max<std::size_t>(1, best.ellipse_of.size())) continue;
     const double points_right = rightward(ellipses, pattern, placement.ellipse_of);
     if (placement.ellipse_of.size() > best.ellipse_of.size() || points_right > best_rightward) {

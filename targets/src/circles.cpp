@@ -35,12 +35,13 @@ CirclePattern pattern_of(const Circles& board) {
 // On the lattice of the two diagonals to the next row.
 CirclePattern pattern_of(const AsymmetricCircles& board) {
   const double row_step_m = board.row_step_m > 0.0 ? board.row_step_m : board.spacing_m;
+  const int shift = board.first_row_shifted ? 1 : 0;
   CirclePattern pattern;
   pattern.spacing_m = std::min(2.0 * board.spacing_m, std::hypot(board.spacing_m, row_step_m));
   for (int row = 0; row < board.rows; ++row) {
     for (int column = 0; column < board.columns; ++column) {
-      const int x = 2 * column + row % 2;
-      pattern.cells.emplace_back((x + row) / 2, (row - x) / 2);
+      const int x = 2 * column + (row + shift) % 2;
+      pattern.cells.emplace_back((x + row - shift) / 2, (row - x + shift) / 2);
       pattern.x_in_board.emplace_back(x * board.spacing_m, row * row_step_m);
     }
   }
@@ -70,7 +71,7 @@ std::optional<CentreShift> shift_at(const std::map<int, Eigen::Vector2d>& pixels
     right += weight * terms * (pixel - pixels.at(id)).transpose();
     ++count;
   }
-  if (count < 8) return std::nullopt;
+  if (count < 7) return std::nullopt;
   const Eigen::Matrix<double, 6, 2> map = normal.ldlt().solve(right);
   if (!map.allFinite()) return std::nullopt;
   Eigen::Matrix2d jacobian;
@@ -166,7 +167,16 @@ std::map<int, Eigen::Vector2d> by_id(const std::vector<Observation>& observation
 Detection detect_circles(const cv::Mat& gray, const Circles& board) { return detect_pattern(gray, pattern_of(board)); }
 
 Detection detect_circles(const cv::Mat& gray, const AsymmetricCircles& board) {
-  return detect_pattern(gray, pattern_of(board));
+  Detection detection = detect_pattern(gray, pattern_of(board));
+  if (detection.observations.empty() && !detection.hint.empty()) {
+    AsymmetricCircles mirrored = board;
+    mirrored.first_row_shifted = !board.first_row_shifted;
+    if (!detect_pattern(gray, pattern_of(mirrored)).observations.empty()) {
+      detection.hint = std::string("the board's mirror image is seen: try first_row_shifted = ") +
+                       (mirrored.first_row_shifted ? "true" : "false");
+    }
+  }
+  return detection;
 }
 
 std::vector<Observation> refine_predicted_circles(const cv::Mat& gray, const Circles& board,

@@ -49,12 +49,13 @@ struct Circles {
 };
 
 /// OpenCV's asymmetric grid: `columns` circles in each of `rows` rows, odd rows shifted by half a step;
-/// x = (2 * column + row % 2) * spacing, y = row * row_step.
+/// x = (2 * column + row % 2) * spacing, y = row * row_step. Its mirror image is another board: first_row_shifted.
 struct AsymmetricCircles {
   int columns = 0;
   int rows = 0;
   double spacing_m = 0.0;
-  double row_step_m = 0.0;  ///< 0: as spacing_m; a hexagonal grid has sqrt(3) * spacing_m
+  double row_step_m = 0.0;         ///< 0: as spacing_m; a hexagonal grid has sqrt(3) * spacing_m
+  bool first_row_shifted = false;  ///< the even rows are shifted instead: x = (2 * column + (row + 1) % 2) * spacing
 };
 
 /// Any rigid set of points, for observations that others made; it cannot be detected or drawn.
