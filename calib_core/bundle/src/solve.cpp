@@ -81,11 +81,11 @@ class CeresBundle {
   void add_view(std::size_t index) {
     const ViewData& view = evaluation_.views()[index];
     const bool with_camera_from_rig = view.camera != 0;  // the first camera's is the identity
-    std::vector<double*> parameters{unknowns_.intrinsics[view.camera].data()};
-    if (with_camera_from_rig) parameters.push_back(unknowns_.camera_from_rig[view.camera].data());
-    double* pose = unknowns_.rig_from_target[view.pose].data();
+    std::vector<double*> parameters{unknowns_.intrinsics(view.camera)};
+    if (with_camera_from_rig) parameters.push_back(unknowns_.camera_from_rig(view.camera));
+    double* pose = unknowns_.rig_from_target(view.pose);
     parameters.push_back(pose);
-    if (evaluation_.options(index).with_shape) parameters.push_back(unknowns_.shapes[view.target].data());
+    if (evaluation_.options(index).with_shape) parameters.push_back(unknowns_.shape(view.target));
     problem_->AddResidualBlock(new ViewCost(evaluation_, index, with_camera_from_rig), nullptr, parameters);
     problem_->SetManifold(pose, &pose_manifold_);
     ordering_->AddElementToGroup(pose, 0);
