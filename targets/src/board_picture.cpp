@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/core/mat.hpp>
+#include <opencv2/core.hpp>
 
 #include "board_dictionary.hpp"
 #include "raybundle/geometry/error.hpp"
@@ -16,11 +16,14 @@ BoardPicture picture_of_size(double width, double height, const Eigen::Vector2d&
   return {{width, height}, {}, {}, false, origin, Eigen::Vector2d::UnitX(), Eigen::Vector2d::UnitY()};
 }
 
+cv::Mat bits_of(const cv::aruco::Dictionary& dictionary, int id) {
+  return cv::aruco::Dictionary::getBitsFromByteList(dictionary.bytesList.row(id), dictionary.markerSize);
+}
+
 // The dark cells of a marker, row by row from the top-left: its border and the bits that are 0.
-void add_marker(BoardPicture& picture, const cv::aruco::Dictionary& dictionary, int id, int border_bits,
-                const Eigen::Vector2d& corner, double side) {
-  const cv::Mat bits = cv::aruco::Dictionary::getBitsFromByteList(dictionary.bytesList.row(id), dictionary.markerSize);
-  const int cells = dictionary.markerSize + 2 * border_bits;
+void add_marker(BoardPicture& picture, const cv::Mat& bits, int border_bits, const Eigen::Vector2d& corner,
+                double side) {
+  const int cells = bits.rows + 2 * border_bits;
   const double cell = side / cells;
   const auto dark = [&](int row, int column) {
     const int i = row - border_bits;
@@ -69,7 +72,7 @@ BoardPicture draw_kind(const Charuco& board) {
     for (int column = 0; column < board.columns; ++column) {
       if ((column + row) % 2 == black) continue;
       const Eigen::Vector2d corner(column * side + inset, row * side + inset);
-      add_marker(picture, *dictionary, id++, 1, corner, board.marker_m);
+      add_marker(picture, bits_of(*dictionary, id++), 1, corner, board.marker_m);
     }
   }
   return picture;
@@ -87,8 +90,10 @@ BoardPicture draw_kind(const AprilGrid& board) {
   for (int row = 0; row < board.rows; ++row) {
     for (int column = 0; column < board.columns; ++column) {
       const Eigen::Vector2d corner(gap + column * step, height - (row + 1) * step);
-      add_marker(picture, *dictionary, board.first_tag + row * board.columns + column, board.border_bits, corner,
-                 board.tag_m);
+      // OpenCV holds the published codes upside down.
+      cv::Mat bits;
+      cv::flip(bits_of(*dictionary, board.first_tag + row * board.columns + column), bits, -1);
+      add_marker(picture, bits, board.border_bits, corner, board.tag_m);
     }
   }
   for (int row = 0; row <= board.rows; ++row) {

@@ -141,7 +141,7 @@ TEST(BoardWord, RefusesBoardsThatCannotBe) {
   EXPECT_THAT(message_of("chessboard:-9x6:25mm"), HasSubstr("at least 2"));
   EXPECT_THAT(message_of("chessboard:999999x999999:25mm"), HasSubstr("more than any board has"));
   EXPECT_THAT(message_of("chessboard:9x6:0mm"), HasSubstr("square_m must be a positive length"));
-  EXPECT_THAT(message_of("chessboard:9x6:nanmm"), HasSubstr("square_m must be a positive length"));
+  EXPECT_THAT(message_of("chessboard:9x6:nanmm"), HasSubstr("is not a length with its unit"));
   EXPECT_THAT(message_of("charuco:8x8:25mm:25mm:DICT_4X4_100"), HasSubstr("must be smaller than square_m"));
   EXPECT_THAT(message_of("charuco:12x12:25mm:19mm:DICT_4X4_50"), HasSubstr("needs 72 markers"));
   EXPECT_THAT(message_of("aprilgrid:6x6:88mm:0.3:25h9"), HasSubstr("family 25h9 has codes 0 to 34"));
