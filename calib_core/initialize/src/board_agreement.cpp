@@ -19,6 +19,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr std::size_t kMaxHypotheses = 60;
+constexpr int kRounds = 8;  // of least squares, while frames come and go
 
 /// Rigid motion of the board that takes each point to its image under a symmetry.
 Rigid3 motion_of(const Target& target, const TargetSymmetry& symmetry) {
@@ -176,16 +177,16 @@ PairConsensus pair_consensus(const Pairs& pairs) {
     for (std::size_t k = 0; k < b->camera_from_target.size(); ++k) {
       const Rigid3 hypothesis = relative_pose(*a, *b, static_cast<int>(k));
       std::vector<double> errors = sizes(pairs, hypothesis);
-      const double median = quantile(errors, 0.5);
-      if (!(median < best)) continue;
-      best = median;
+      const double spread = quantile(errors, kQuorum);
+      if (!(spread < best)) continue;
+      best = spread;
       consensus.b_from_a = hypothesis;
     }
   }
-  for (int round = 0; round < 4; ++round) {
+  for (int round = 0; round <= kRounds; ++round) {
     std::vector<double> errors = sizes(pairs, consensus.b_from_a);
-    consensus.spread = quantile(errors, 0.5);
-    if (round < 3) {
+    consensus.spread = quantile(errors, kQuorum);
+    if (round < kRounds) {
       consensus.b_from_a = improved_pose(pairs, consensus.b_from_a, 0.5 * agreement_limit(consensus.spread));
     }
   }
@@ -197,7 +198,7 @@ PairConsensus pair_consensus(const Pairs& pairs) {
 
 double agreement_limit(double spread) {
   constexpr double kNoiseRad = 2e-5;  // a fiftieth of a pixel: exact data has no spread to measure by
-  return 6.0 * std::max(spread, kNoiseRad);
+  return 5.0 * std::max(spread, kNoiseRad);
 }
 
 }  // namespace raybundle

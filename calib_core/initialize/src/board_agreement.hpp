@@ -45,14 +45,19 @@ struct Disagreement {
 /// Compares where view `a` (in labelling `a_labelling`) puts the board with where view `b` has it.
 Disagreement disagreement(const PosedView& a, int a_labelling, const PosedView& b, const Rigid3& b_from_a);
 
+/// Share of the frames that must agree: hand-held boards in front of cameras that are not triggered together move in
+/// many of them. Sizes of honest frames lie close together (six numbers are averaged), so that a low quantile measures
+/// noise.
+constexpr double kQuorum = 0.3;
+
 /// The relative pose of two cameras on which most frames agree.
 struct PairConsensus {
   Rigid3 b_from_a;
   int agreeing = 0;     ///< frames
-  double spread = 0.0;  ///< median of Disagreement::size
+  double spread = 0.0;  ///< Disagreement::size of the frames that agree best, at kQuorum
 };
 
-/// Least median over the frames, then least squares over those that agree.
+/// Least quantile over the frames, then least squares over those that agree.
 ///
 /// @param pairs  views of the same board by camera a and camera b, at least one
 PairConsensus pair_consensus(const std::vector<std::pair<const PosedView*, const PosedView*>>& pairs);

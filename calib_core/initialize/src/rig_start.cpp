@@ -126,7 +126,7 @@ double common_spread(const std::vector<SharedBoard>& boards, const std::vector<R
       if (i != opinion.reference) sizes.push_back(opinion.of_views[i].size);
     }
   }
-  return sizes.empty() ? 0.0 : quantile(sizes, 0.5);
+  return sizes.empty() ? 0.0 : quantile(sizes, kQuorum);
 }
 
 }  // namespace
