@@ -9,6 +9,7 @@
 
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/rotation.hpp"
+#include "raybundle/initialize/tie_check.hpp"
 #include "synthetic_world.hpp"
 
 namespace raybundle {
@@ -150,6 +151,39 @@ TEST(RigStart, SeveralBoardsMoveIndependently) {
   const SyntheticWorld world = synthetic_world(options);
   const RigStart start = initialize_rig(world.problem, noisy_poses(world, 0, 0, 1));
   expect_near_truth(world, start, 1e-7, 1e-9);
+}
+
+TEST(CheckTies, AnExcessOfOneIsHonestAndASmallMotionStandsOut) {
+  SyntheticOptions options;
+  options.cameras.resize(2);
+  options.cameras[1].camera_from_rig = rig_place(0.1, -0.12);
+  options.noise_px = 0.2;
+  options.min_points = 40;
+  SyntheticWorld world = synthetic_world(options);
+  const int moved = world.pose_of_view[0];  // seen by the second camera three millimetres further on
+  for (std::size_t v = 0; v < world.problem.views.size(); ++v) {
+    TargetView& view = world.problem.views[v];
+    if (view.camera != 1 || world.pose_of_view[v] != moved) continue;
+    for (Observation& observation : view.observations) {
+      const Eigen::Vector3d point = world.problem.targets[0].find(observation.point_id)->x_in_target;
+      const Rigid3 pose = world.camera_from_rig[1] * world.poses[moved].rig_from_target;
+      const Eigen::Vector3d step(0.002, 0.002, 0);
+      observation.pixel +=
+          *pixel_from_ray(world.cameras[1], pose * point + step) - *pixel_from_ray(world.cameras[1], pose * point);
+    }
+  }
+  const std::vector<TieCheck> checks =
+      check_ties(world.problem, world.cameras, world.camera_from_rig, world.poses, world.pose_of_view);
+  ASSERT_GE(checks.size(), 5u);
+  for (const TieCheck& check : checks) {
+    if (check.pose == moved) {
+      EXPECT_GT(check.excess, 5.0);
+      EXPECT_THAT(check.reason, HasSubstr("camera0 and camera1 fit to"));
+    } else {
+      // True poses instead of fitted ones: two poses' freedoms are lost, sqrt(2), of which chance makes up to twice.
+      EXPECT_LT(check.excess, 3.0);
+    }
+  }
 }
 
 TEST(RigStart, CamerasWithoutACommonBoardAreNamed) {

@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/initialize/tie_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+#include "view_pose.hpp"
+
+namespace raybundle {
+namespace {
+
+/// Squared distances of one view's right corners, tied and with a pose of its own.
+struct ViewFit {
+  double tied_px2 = 0.0;
+  double own_px2 = 0.0;
+  int corners = 0;
+};
+
+ViewFit fit_of(const CalibrationProblem& problem, const TargetView& view, const Camera& camera, const Rigid3& tied) {
+  const LensFunctions lens = lens_functions(camera.model);
+  const PointsInView corners = points_in_view(problem.targets[view.target], view);
+  std::vector<double> tied_distances;
+  pixel_distances(lens, camera.parameters.data(), corners, tied, tied_distances);
+  std::vector<double> sorted = tied_distances;
+
+  LensBundleOptions options;
+  options.scale_px = std::max(1e-3, 4.0 * quantile(sorted, 0.5));
+  options.max_iterations = 15;
+  options.lens_fixed = true;
+  LensVector parameters = camera.parameters;
+  std::vector<Rigid3> own{tied};
+  if (std::isfinite(options.scale_px)) refine_lens(lens, {corners}, options, parameters, own);
+  std::vector<double> own_distances;
+  pixel_distances(lens, camera.parameters.data(), corners, own[0], own_distances);
+  sorted = own_distances;
+  const double right_px = 4.0 * quantile(sorted, 0.5);  // corners that not even a pose of its own explains do not vote
+
+  ViewFit fit;
+  for (std::size_t i = 0; i < own_distances.size(); ++i) {
+    if (!(own_distances[i] <= right_px) || !std::isfinite(tied_distances[i])) continue;
+    fit.tied_px2 += tied_distances[i] * tied_distances[i];
+    fit.own_px2 += own_distances[i] * own_distances[i];
+    ++fit.corners;
+  }
+  return fit;
+}
+
+}  // namespace
+
+std::vector<TieCheck> check_ties(const CalibrationProblem& problem, const std::vector<Camera>& cameras,
+                                 const std::vector<Rigid3>& camera_from_rig, const std::vector<BoardPose>& poses,
+                                 const std::vector<int>& pose_of_view) {
+  std::map<int, std::vector<int>> views_of_pose;
+  for (std::size_t v = 0; v < problem.views.size(); ++v) {
+    if (pose_of_view[v] >= 0) views_of_pose[pose_of_view[v]].push_back(static_cast<int>(v));
+  }
+  std::vector<TieCheck> checks;
+  std::vector<double> lost_px2;  // by the tie, per degree of freedom
+  std::vector<double> variances_px2;
+  for (const auto& [pose, views] : views_of_pose) {
+    if (views.size() < 2) continue;
+    ViewFit all;
+    std::string names;
+    for (const int v : views) {
+      const TargetView& view = problem.views[v];
+      const Rigid3 tied = camera_from_rig[view.camera] * poses[pose].rig_from_target;
+      const ViewFit fit = fit_of(problem, view, cameras[view.camera], tied);
+      all.tied_px2 += fit.tied_px2;
+      all.own_px2 += fit.own_px2;
+      all.corners += fit.corners;
+      names += (names.empty() ? "" : v == views.back() ? " and " : ", ") + problem.cameras[view.camera].name;
+    }
+    if (all.corners < 8) continue;
+    TieCheck check{pose, views, std::sqrt(all.tied_px2 / all.corners), std::sqrt(all.own_px2 / all.corners), 0.0, {}};
+    char numbers[96];
+    std::snprintf(numbers, sizeof numbers, " fit to %.2f px together but to %.2f px apart", check.tied_rms_px,
+                  check.own_rms_px);
+    check.reason = names + numbers;
+    checks.push_back(check);
+    lost_px2.push_back(std::max(0.0, all.tied_px2 - all.own_px2) / (6.0 * static_cast<double>(views.size() - 1)));
+    const double freedom = 2.0 * all.corners - 6.0 * static_cast<double>(views.size());
+    variances_px2.push_back(all.own_px2 / std::max(1.0, freedom));
+  }
+  const double variance_px2 = std::max(quantile(variances_px2, 0.5), 1e-8);
+  for (std::size_t i = 0; i < checks.size(); ++i) checks[i].excess = std::sqrt(lost_px2[i] / variance_px2);
+  return checks;
+}
+
+}  // namespace raybundle
