@@ -204,8 +204,8 @@ std::optional<Saddle> refine_saddle(const cv::Mat& gray, const Eigen::Vector2d& 
   };
   auto saddle = fit(start, window.longest_half, 1);
   if (saddle || std::max(length_x, length_y) < 1.3 * window.longest_half) return saddle;
-  // The cut window may have missed the corner: look further, at every third pixel.
-  constexpr int kFurther = 3;
+  // The cut window may have missed the corner: look further, with as many samples.
+  constexpr int kFurther = 5;
   const auto coarse = fit(start, kFurther * window.longest_half, kFurther);
   return coarse ? fit(coarse->pixel, window.longest_half, 1) : std::nullopt;
 }
