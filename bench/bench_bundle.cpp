@@ -3,7 +3,7 @@
 
 // Processor time of one bundle adjustment in three forms: compressed views, whole views, and what one writes first with
 // Ceres, one automatically differentiated residual for each corner. Same start, same solver, same tolerances, one
-// thread. usage: bundle_bench [views] [repetitions]
+// thread. usage: bench_bundle [views] [repetitions]
 #include <ceres/autodiff_cost_function.h>
 #include <ceres/ceres.h>
 #include <ceres/manifold.h>
