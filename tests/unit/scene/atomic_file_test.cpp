@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/scene/atomic_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "raybundle/geometry/error.hpp"
+
+namespace raybundle {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string content_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+class AtomicFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) / "atomic_file";
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  size_t files() const { return std::distance(fs::directory_iterator(folder_), fs::directory_iterator()); }
+
+  fs::path folder_;
+};
+
+TEST_F(AtomicFile, WritesEveryByteAndLeavesNothingElse) {
+  const std::string bytes("a\0b\n", 4);
+  write_file_whole(folder_ / "file", bytes);
+  EXPECT_EQ(content_of(folder_ / "file"), bytes);
+  write_file_whole(folder_ / "file", "");
+  EXPECT_EQ(content_of(folder_ / "file"), "");
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(AtomicFile, TakesAPlainNameInTheWorkingFolder) {
+  const fs::path before = fs::current_path();
+  fs::current_path(folder_);
+  write_file_whole("plain", "x");
+  fs::current_path(before);
+  EXPECT_EQ(content_of(folder_ / "plain"), "x");
+}
+
+TEST_F(AtomicFile, FailsNamingThePathAndLeavesNothingBehind) {
+  fs::create_directories(folder_ / "taken");
+  for (const fs::path& path : {folder_ / "no such folder" / "file", folder_ / "taken"}) {
+    try {
+      write_file_whole(path, "x");
+      FAIL() << path;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kIo);
+      EXPECT_THAT(error.what(), testing::HasSubstr(path.string()));
+    }
+  }
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(AtomicFile, WritesToADeviceAsItIs) {
+  write_file_whole("/dev/null", "x");
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+}  // namespace
+}  // namespace raybundle

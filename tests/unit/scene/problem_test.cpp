@@ -1,0 +1,76 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/scene/problem.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+
+#include "raybundle/geometry/error.hpp"
+#include "synthetic_world.hpp"
+
+namespace raybundle {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+CalibrationProblem good_problem() {
+  testing::SyntheticOptions options;
+  options.frames = 3;
+  return testing::synthetic_world(options).problem;
+}
+
+std::string message_after(const std::function<void(CalibrationProblem&)>& damage) {
+  CalibrationProblem problem = good_problem();
+  damage(problem);
+  try {
+    check(problem);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(ProblemCheck, AcceptsASoundProblem) { EXPECT_NO_THROW(check(good_problem())); }
+
+TEST(ProblemCheck, NamesTheViewThatIsWrong) {
+  const auto first = [](CalibrationProblem& problem) -> Observation& { return problem.views[0].observations[0]; };
+  const CalibrationProblem good = good_problem();
+  const std::string view = view_name(good, good.views[0]);
+  const std::vector<std::pair<std::function<void(CalibrationProblem&)>, std::string>> damages{
+      {[&](auto& p) { first(p).pixel.x() = kNan; }, "not a finite number"},
+      {[&](auto& p) { first(p).pixel.y() = 1e5; }, "far outside"},
+      {[&](auto& p) { first(p).point_id = 4711; }, "4711 is not on the board"},
+      {[&](auto& p) { first(p).sigma_px = 0.0; }, "sigma"},
+      {[&](auto& p) { first(p).sigma_px = kNan; }, "sigma"},
+      {[&](auto& p) { first(p).point_id = p.views[0].observations[1].point_id; }, "observed twice"},
+      {[&](auto& p) { p.views.push_back(p.views[0]); }, "given twice"},
+  };
+  for (const auto& [damage, text] : damages) {
+    EXPECT_THAT(message_after(damage), ::testing::AllOf(::testing::HasSubstr(view), ::testing::HasSubstr(text)));
+  }
+}
+
+TEST(ProblemCheck, NamesTheCameraRuleOrTargetThatIsWrong) {
+  using ::testing::HasSubstr;
+  EXPECT_THAT(message_after([](auto& p) { p.cameras.clear(); }), HasSubstr("no camera"));
+  EXPECT_THAT(message_after([](auto& p) { p.targets.clear(); }), HasSubstr("no target"));
+  EXPECT_THAT(message_after([](auto& p) { p.cameras[0].parameters = Eigen::VectorXd::Ones(1); }),
+              HasSubstr("has 1 start parameters"));
+  EXPECT_THAT(message_after([](auto& p) { p.cameras.push_back(p.cameras[0]); }), HasSubstr("two cameras are called"));
+  EXPECT_THAT(message_after([](auto& p) { p.cameras[0].size = {}; }), HasSubstr("image size"));
+  EXPECT_THAT(message_after([](auto& p) { std::swap(p.targets[0].points[0], p.targets[0].points[1]); }),
+              HasSubstr("sorted by id"));
+  EXPECT_THAT(message_after([](auto& p) { p.views[0].camera = 7; }), HasSubstr("view 0 names a camera"));
+  EXPECT_THAT(message_after([](auto& p) { p.views[0].frame = -1; }), HasSubstr("view 0 names a camera"));
+  EXPECT_THAT(message_after([](auto& p) {
+                p.rules.push_back({"*.k1", ParameterRule::Kind::kPrior, {}, 0.0});
+              }),
+              HasSubstr("the prior on '*.k1' needs a positive sigma"));
+}
+
+}  // namespace
+}  // namespace raybundle
