@@ -17,6 +17,7 @@ struct ViewFit {
   double tied_px2 = 0.0;
   double own_px2 = 0.0;
   int corners = 0;
+  Rigid3 own;
 };
 
 ViewFit fit_of(const CalibrationProblem& problem, const TargetView& view, const Camera& camera, const Rigid3& tied) {
@@ -39,6 +40,7 @@ ViewFit fit_of(const CalibrationProblem& problem, const TargetView& view, const 
   const double right_px = 4.0 * quantile(sorted, 0.5);  // corners that not even a pose of its own explains do not vote
 
   ViewFit fit;
+  fit.own = own[0];
   for (std::size_t i = 0; i < own_distances.size(); ++i) {
     if (!(own_distances[i] <= right_px) || !std::isfinite(tied_distances[i])) continue;
     fit.tied_px2 += tied_distances[i] * tied_distances[i];
@@ -64,6 +66,7 @@ std::vector<TieCheck> check_ties(const CalibrationProblem& problem, const std::v
     if (views.size() < 2) continue;
     ViewFit all;
     std::string names;
+    std::vector<Rigid3> own;
     for (const int v : views) {
       const TargetView& view = problem.views[v];
       const Rigid3 tied = camera_from_rig[view.camera] * poses[pose].rig_from_target;
@@ -71,10 +74,12 @@ std::vector<TieCheck> check_ties(const CalibrationProblem& problem, const std::v
       all.tied_px2 += fit.tied_px2;
       all.own_px2 += fit.own_px2;
       all.corners += fit.corners;
+      own.push_back(fit.own);
       names += (names.empty() ? "" : v == views.back() ? " and " : ", ") + problem.cameras[view.camera].name;
     }
     if (all.corners < 8) continue;
-    TieCheck check{pose, views, std::sqrt(all.tied_px2 / all.corners), std::sqrt(all.own_px2 / all.corners), 0.0, {}};
+    TieCheck check{pose, views, own, std::sqrt(all.tied_px2 / all.corners), std::sqrt(all.own_px2 / all.corners),
+                   0.0,  {}};
     char numbers[96];
     std::snprintf(numbers, sizeof numbers, " fit to %.2f px together but to %.2f px apart", check.tied_rms_px,
                   check.own_rms_px);

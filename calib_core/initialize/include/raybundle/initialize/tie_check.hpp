@@ -12,8 +12,9 @@ namespace raybundle {
 
 /// How much worse the views of a frame fit with one board pose for all cameras than with one for each.
 struct TieCheck {
-  int pose = 0;            ///< index into the poses
-  std::vector<int> views;  ///< that share it, two or more
+  int pose = 0;                            ///< index into the poses
+  std::vector<int> views;                  ///< that share it, two or more
+  std::vector<Rigid3> camera_from_target;  ///< the views' own poses, aligned with `views`
   double tied_rms_px = 0.0;
   double own_rms_px = 0.0;  ///< with a pose for each view
   double excess = 0.0;      ///< [noise sigmas] per degree of freedom that the tie takes away; about 1 when it is right
