@@ -58,6 +58,8 @@ State evaluated(const std::vector<SaddleSample>& samples, const SaddleVector& pa
   const float a_x = std::cos(q[kAngleA]), a_y = std::sin(q[kAngleA]);
   const float b_x = std::cos(q[kAngleB]), b_y = std::sin(q[kAngleB]);
   const float bend_a = static_cast<float>(bends.a), bend_b = static_cast<float>(bends.b);
+  const float coupling = a_x * b_x + a_y * b_y;        // cosine between the edges
+  const float coupling_wrt_a = a_x * b_y - a_y * b_x;  // and minus that for the other edge's angle
   double squares = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const float sample_x = static_cast<float>(samples[i].x), sample_y = static_cast<float>(samples[i].y);
@@ -68,13 +70,19 @@ State evaluated(const std::vector<SaddleSample>& samples, const SaddleVector& pa
     const float z_b = (n_b - 0.5F * bend_b * t_b * t_b) * sharp;
     const auto [step_a, slope_a] = blurred_step.at(z_a);
     const auto [step_b, slope_b] = blurred_step.at(z_b);
-    const float p = -step_a * step_b;
+    // Blur couples edges that are not perpendicular: the bivariate normal's tetrachoric series to its second term.
+    const float both = slope_a * slope_b;
+    const float series = 1 + 0.5F * coupling * z_a * z_b;
+    const float p = -(step_a * step_b + coupling * both * series);
     const float half_light = 0.5F * (1 + p);
     const float shade = q[kShadeX] * sample_x + q[kShadeY] * sample_y;
     const float model = q[kBase] + p * (q[kAmplitude] + q[kTone] * p) + shade * half_light;
     const float wrt_p = q[kAmplitude] + 2 * q[kTone] * p + 0.5F * shade;
-    const float wrt_d_a = -wrt_p * slope_a * step_b * sharp;
-    const float wrt_d_b = -wrt_p * slope_b * step_a * sharp;
+    const float p_wrt_z_a = slope_a * step_b + coupling * both * (0.5F * coupling * z_b - z_a * series);
+    const float p_wrt_z_b = slope_b * step_a + coupling * both * (0.5F * coupling * z_a - z_b * series);
+    const float wrt_d_a = -wrt_p * p_wrt_z_a * sharp;
+    const float wrt_d_b = -wrt_p * p_wrt_z_b * sharp;
+    const float wrt_turn = -wrt_p * both * (1 + coupling * z_a * z_b) * coupling_wrt_a;
     const float root = static_cast<float>(samples[i].root_weight);
     const float residual = root * (static_cast<float>(samples[i].grey) - model);
     squares += static_cast<double>(residual) * residual;
@@ -82,8 +90,8 @@ State evaluated(const std::vector<SaddleSample>& samples, const SaddleVector& pa
     float* row = rows.col(static_cast<Eigen::Index>(i)).data();
     row[kX] = root * (wrt_d_a * (a_y + bend_a * t_a * a_x) + wrt_d_b * (b_y + bend_b * t_b * b_x));
     row[kY] = root * (wrt_d_a * (bend_a * t_a * a_y - a_x) + wrt_d_b * (bend_b * t_b * b_y - b_x));
-    row[kAngleA] = -root * wrt_d_a * t_a * (1 + bend_a * n_a);
-    row[kAngleB] = -root * wrt_d_b * t_b * (1 + bend_b * n_b);
+    row[kAngleA] = root * (wrt_turn - wrt_d_a * t_a * (1 + bend_a * n_a));
+    row[kAngleB] = root * (-wrt_turn - wrt_d_b * t_b * (1 + bend_b * n_b));
     row[kLogBlur] = -root * (wrt_d_a * z_a + wrt_d_b * z_b) / sharp;
     row[kBase] = root;
     row[kAmplitude] = root * p;

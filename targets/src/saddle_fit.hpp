@@ -9,21 +9,11 @@ namespace raybundle {
 
 // The model: grey = base + amplitude p + tone p² + (shade · s)(1 + p) / 2 with p = -erf(d_a / √2 blur) erf(d_b / √2
 // blur), where d_a, d_b are signed distances from the two edges and s is the sample's place in the window: a product of
-// blurred steps, seen through a tone curve (the quadratic term: over-exposed squares grow), in light that changes over
-// the window, bright squares more than dark ones.
-enum SaddleParameter {
-  kX,
-  kY,
-  kAngleA,
-  kAngleB,
-  kLogBlur,
-  kBase,
-  kAmplitude,
-  kTone,
-  kShadeX,
-  kShadeY,
-  kSaddleParameters
-};
+// blurred steps (corrected where edges are not perpendicular), seen through a tone curve (the quadratic term:
+// over-exposed squares grow), in light that changes over the window, bright squares more than dark ones.
+// clang-format off
+enum SaddleParameter { kX, kY, kAngleA, kAngleB, kLogBlur, kBase, kAmplitude, kTone, kShadeX, kShadeY, kSaddleParameters };
+// clang-format on
 using SaddleVector = Eigen::Matrix<double, kSaddleParameters, 1>;
 using SaddleMatrix = Eigen::Matrix<double, kSaddleParameters, kSaddleParameters>;
 
