@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "raybundle/targets/detect.hpp"
+#include "real_images.hpp"
+
+namespace raybundle {
+namespace {
+
+constexpr const char* kFolder = "aprilgrid_rs/tests_data";
+
+// Tags with at least three of their corners.
+std::size_t whole_tags(const std::vector<Observation>& corners) {
+  std::map<int, int> count;
+  for (const Observation& corner : corners) ++count[corner.point_id / 4];
+  return static_cast<std::size_t>(std::ranges::count_if(count, [](const auto& tag) { return tag.second >= 3; }));
+}
+
+TEST(RealAprilGrid, HasAllTagsThatCanBeSeen) {
+  RAYBUNDLE_NEEDS_IMAGES(testing::real_images(kFolder), kFolder);
+  const std::map<std::string, AprilGrid> boards{{"TUM_VI", {6, 6, 0.088, 0.3}}, {"r45", {6, 6, 0.088, 0.3}},
+                                                {"EuRoC", {6, 6, 0.088, 0.3}},  {"top", {6, 6, 0.088, 0.3}},
+                                                {"right", {6, 6, 0.088, 0.3}},  {"top_right", {6, 6, 0.088, 0.3}},
+                                                {"iphone", {11, 6, 0.088, 0.3}}};
+  for (const auto& [name, board] : boards) {
+    const cv::Mat image = testing::grey_image(testing::real_data() / kFolder / (name + ".png"));
+    const Detection detection = detect(board, image);
+    EXPECT_EQ(whole_tags(detection.observations), static_cast<std::size_t>(board.columns) * board.rows) << name;
+    EXPECT_GE(detection.observations.size(), 0.95 * 4 * board.columns * board.rows) << name;
+  }
+}
+
+TEST(RealAprilGrid, IsToldFromAnotherBoardByItsFirstTag) {
+  RAYBUNDLE_NEEDS_IMAGES(testing::real_images(kFolder), kFolder);
+  const cv::Mat image = testing::grey_image(testing::real_data() / kFolder / "two_boards.png");
+  AprilGrid board{6, 6, 0.088, 0.3};
+  const Detection first = detect(board, image);
+  board.first_tag = 36;
+  const Detection second = detect(board, image);
+  EXPECT_EQ(whole_tags(first.observations) + whole_tags(second.observations), 72u);
+  EXPECT_GT((first.observations[0].pixel - second.observations[0].pixel).norm(), 300.0) << "they stand side by side";
+}
+
+TEST(RealAprilGrid, OfAnotherBorderNamesIt) {
+  RAYBUNDLE_NEEDS_IMAGES(testing::real_images(kFolder), kFolder);
+  const cv::Mat image = testing::grey_image(testing::real_data() / kFolder / "TUM_VI.png");
+  AprilGrid board{6, 6, 0.088, 0.3};
+  board.border_bits = 1;
+  const Detection detection = detect(board, image);
+  EXPECT_TRUE(detection.observations.empty());
+  EXPECT_NE(detection.hint.find("border_bits = 2"), std::string::npos) << detection.hint;
+}
+
+}  // namespace
+}  // namespace raybundle
