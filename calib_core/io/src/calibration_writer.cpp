@@ -5,7 +5,7 @@
 #include <string>
 
 #include "calibration_format.hpp"
-#include "json_text.hpp"
+#include "json_camera.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
 #include "raybundle/scene/atomic_file.hpp"
@@ -51,20 +51,6 @@ OrderedJson conventions() {
       {"surface", "z = bend_x_m (1 - x^2) + bend_y_m (1 - y^2) + twist_m x y, x and y from -1 to 1 over the points"}};
 }
 
-// Standard deviations of what was estimated; parameters that were held fixed do not appear.
-OrderedJson json_from_sigmas(const Covariance& covariance, const RigCamera& camera) {
-  OrderedJson sigmas = OrderedJson::object();
-  const auto add = [&](const std::string& parameter) {
-    const double sigma = covariance.sigma(camera.name + "." + parameter);
-    if (sigma > 0) sigmas[parameter] = sigma;
-  };
-  for (const std::string_view name : parameter_names(camera.camera.model)) add(std::string(name));
-  for (const char* part : {"rotation_", "translation_"}) {
-    for (const char* axis : {"x", "y", "z"}) add(std::string("camera_from_rig.") + part + axis);
-  }
-  return sigmas;
-}
-
 OrderedJson json_from_summary(const CameraSummary& summary) {
   return {{"rms_px", summary.rms_px},
           {"median_px", summary.median_px},
@@ -80,12 +66,7 @@ OrderedJson json_from_camera(const CalibrationFile& file, std::size_t index) {
                    {"model", model_name(camera.camera.model)},
                    {"width", camera.camera.size.width},
                    {"height", camera.camera.size.height}};
-  const std::vector<std::string_view> names = parameter_names(camera.camera.model);
-  for (std::size_t k = 0; k < names.size(); ++k) {
-    json["parameters"][std::string(names[k])] = camera.camera.parameters[static_cast<Eigen::Index>(k)];
-  }
-  json["camera_from_rig"] = json_from_rigid3(camera.camera_from_rig);
-  json["sigmas"] = json_from_sigmas(file.calibration.covariance, camera);
+  add_estimates(camera, file.calibration.covariance, json);
   if (!file.summaries.empty()) json["residuals"] = json_from_summary(file.summaries[index]);
   return json;
 }

@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "raybundle/io/report_file.hpp"
 
+#include <algorithm>
 #include <limits>
 
-#include "json_text.hpp"
+#include "json_camera.hpp"
 #include "raybundle/scene/atomic_file.hpp"
 
 namespace raybundle {
@@ -20,16 +21,19 @@ OrderedJson json_from_cameras(const CalibrationProblem& problem, const Calibrati
   for (std::size_t i = 0; i < problem.cameras.size(); ++i) {
     const ProblemCamera& camera = problem.cameras[i];
     const CameraSummary summary = i < result.cameras.size() ? result.cameras[i] : CameraSummary{};
-    json.push_back({{"name", camera.name},
-                    {"model", model_name(camera.model)},
-                    {"width", camera.size.width},
-                    {"height", camera.size.height},
-                    {"rms_px", summary.rms_px},
-                    {"median_px", summary.median_px},
-                    {"views_used", summary.views_used},
-                    {"views_total", summary.views_total},
-                    {"corners_used", summary.corners_used},
-                    {"corners_outlier", summary.corners_outlier}});
+    OrderedJson entry{{"name", camera.name},
+                      {"model", model_name(camera.model)},
+                      {"width", camera.size.width},
+                      {"height", camera.size.height},
+                      {"rms_px", summary.rms_px},
+                      {"median_px", summary.median_px},
+                      {"views_used", summary.views_used},
+                      {"views_total", summary.views_total},
+                      {"corners_used", summary.corners_used},
+                      {"corners_outlier", summary.corners_outlier}};
+    const auto found = std::ranges::find(result.calibration.cameras, camera.name, &RigCamera::name);
+    if (found != result.calibration.cameras.end()) add_estimates(*found, result.calibration.covariance, entry);
+    json.push_back(entry);
   }
   return json;
 }
@@ -38,7 +42,10 @@ OrderedJson json_from_targets(const CalibrationProblem& problem, const Calibrati
   OrderedJson json = OrderedJson::array();
   for (std::size_t i = 0; i < problem.targets.size(); ++i) {
     OrderedJson target{{"name", problem.targets[i].name}, {"points", json_from_points(problem.targets[i])}};
-    if (i < result.calibration.targets.size()) target["shape"] = json_from_shape(result.calibration.targets[i].shape);
+    if (i < result.calibration.targets.size()) {
+      target["shape"] = json_from_shape(result.calibration.targets[i].shape);
+      target["shape_sigmas"] = json_from_shape_sigmas(result.calibration.covariance, problem.targets[i].name);
+    }
     json.push_back(target);
   }
   return json;

@@ -23,6 +23,10 @@ SchemaWalker schema(const std::string& name) {
 CalibrationResult result_for(const CalibrationProblem& problem) {
   CalibrationResult result;
   result.calibration = full_calibration().calibration;
+  result.calibration.cameras.resize(problem.cameras.size() - 1);  // the last camera could not be calibrated
+  result.calibration.cameras[0].name = problem.cameras[0].name;
+  result.calibration.covariance.names[0] = problem.cameras[0].name + ".fx";
+  result.calibration.covariance.names[2] = problem.targets[0].name + ".bend_x";
   result.poses = {{0, 0, awkward_rigid3(2)}};
   for (const TargetView& view : problem.views) {
     ViewResult of_view{0, {}, {}, 0.25};
@@ -79,6 +83,16 @@ TEST(Report, HoldsTheNamesThatOthersScriptAgainst) {
   EXPECT_EQ(report["set_aside"][0]["frame"], "0");
   EXPECT_EQ(report["set_aside"][1]["scope"], "extrinsics");
   EXPECT_EQ(report["set_aside"][2]["reason"], "no board found");
+}
+
+TEST(Report, HoldsTheEstimatesWithTheirSigmas) {
+  const Json report = example_report();
+  const Json camera = report["cameras"][0];
+  EXPECT_TRUE(camera["parameters"]["fx"].is_number());
+  EXPECT_EQ(camera["sigmas"], Json({{"fx", std::sqrt(1.0 / 3.0)}}));
+  EXPECT_EQ(camera["camera_from_rig"]["translation_m"].size(), 3u);
+  EXPECT_FALSE(report["cameras"][1].contains("parameters"));
+  EXPECT_EQ(report["targets"][0]["shape_sigmas"], Json({{"bend_x_m", std::sqrt(0.7)}}));
 }
 
 TEST(Report, KeepsEveryObservationWithResidualAndFate) {
