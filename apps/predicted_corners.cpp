@@ -8,6 +8,8 @@
 #include <set>
 #include <tuple>
 
+#include "raybundle/targets/detect.hpp"
+
 namespace raybundle::apps {
 namespace {
 

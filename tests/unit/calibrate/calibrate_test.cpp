@@ -1,0 +1,183 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/calibrate/calibrate.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/rotation.hpp"
+#include "synthetic_world.hpp"
+
+namespace raybundle {
+namespace {
+
+using testing::synthetic_world;
+using testing::SyntheticCamera;
+using testing::SyntheticOptions;
+using testing::SyntheticWorld;
+
+Rigid3 beside(double x_m, double turn_rad) {
+  Rigid3 camera_from_rig;
+  camera_from_rig.rotation = Eigen::Quaterniond(rotation_from_vector({0.02, turn_rad, -0.01}));
+  camera_from_rig.translation = Eigen::Vector3d(-x_m, 0.004, 0.01);
+  return camera_from_rig;
+}
+
+SyntheticOptions stereo(unsigned seed) {
+  SyntheticOptions options;
+  options.seed = seed;
+  options.frames = 24;
+  options.max_off_axis_rad = 0.7;
+  SyntheticCamera right;
+  right.focal_px = 395.0;
+  right.camera_from_rig = beside(0.12, 0.1);
+  options.cameras.push_back(right);
+  return options;
+}
+
+std::vector<int> used_views(const CalibrationResult& result) {
+  std::vector<int> used;
+  for (const CameraSummary& camera : result.cameras) used.push_back(camera.views_used);
+  return used;
+}
+
+// Exact observations: everything comes back to 1e-8 from observations alone.
+TEST(Calibrate, RecoversExactStereoRig) {
+  const SyntheticWorld world = synthetic_world(stereo(3));
+  const CalibrationResult result = calibrate(world.problem);
+  EXPECT_EQ(result.termination, Termination::kConverged);
+  EXPECT_THAT(result.set_aside, ::testing::IsEmpty());
+  for (std::size_t c = 0; c < world.cameras.size(); ++c) {
+    const Eigen::VectorXd& truth = world.cameras[c].parameters;
+    const Eigen::VectorXd& found = result.calibration.cameras[c].camera.parameters;
+    EXPECT_LT(((found - truth).array() / truth.array().abs().max(1.0)).abs().maxCoeff(), 1e-8);
+    const auto motion = motion_between(world.camera_from_rig[c], result.calibration.cameras[c].camera_from_rig);
+    EXPECT_LT(motion.cwiseAbs().maxCoeff(), 1e-8);
+  }
+}
+
+// Corner for corner the truth of which are outliers is known; with 0.3 px noise and at least 5 px off none is missed.
+TEST(Calibrate, NamesOutliersAndKeepsTheRest) {
+  SyntheticOptions options = stereo(5);
+  options.noise_px = 0.3;
+  options.outlier_fraction = 0.05;
+  const SyntheticWorld world = synthetic_world(options);
+  const CalibrationResult result = calibrate(world.problem);
+  int wrong_kept = 0, right_lost = 0, right = 0;
+  for (std::size_t v = 0; v < world.problem.views.size(); ++v) {
+    for (std::size_t i = 0; i < world.outliers[v].size(); ++i) {
+      const bool used = result.views[v].fates[i] == ObservationFate::kUsed;
+      wrong_kept += world.outliers[v][i] && used;
+      right_lost += !world.outliers[v][i] && !used;
+      right += !world.outliers[v][i];
+    }
+  }
+  EXPECT_EQ(wrong_kept, 0);
+  EXPECT_LE(right_lost, right / 1000);  // 5 sigma in two dimensions: 4e-6 by chance
+  EXPECT_NEAR(result.rms_px, 0.3 * std::sqrt(2.0), 0.02);
+}
+
+// A board that moved between the exposures of one pair must not bend the rig: the pair is named.
+TEST(Calibrate, NamesAnInconsistentPair) {
+  SyntheticOptions options = stereo(7);
+  options.noise_px = 0.2;
+  SyntheticWorld world = synthetic_world(options);
+  const int frame = world.problem.views[10].frame;
+  for (TargetView& view : world.problem.views) {
+    if (view.frame != frame || view.camera != 1) continue;
+    const Rigid3 moved = perturbed(
+        world.camera_from_rig[1] * world.poses[world.pose_of_view[&view - world.problem.views.data()]].rig_from_target,
+        (Eigen::Matrix<double, 6, 1>() << 0.02, 0.03, 0, 0.02, 0.0, 0.01).finished());
+    for (Observation& observation : view.observations) {
+      const auto pixel =
+          pixel_from_ray(world.cameras[1], moved * world.problem.targets[0].find(observation.point_id)->x_in_target);
+      observation.pixel = *pixel;
+    }
+  }
+  const CalibrationResult result = calibrate(world.problem);
+  ASSERT_FALSE(result.set_aside.empty());
+  for (const SetAside& aside : result.set_aside) EXPECT_EQ(world.problem.views[aside.view].frame, frame);
+  const Eigen::Vector3d found = result.calibration.cameras[1].camera_from_rig.translation;
+  EXPECT_LT((found - world.camera_from_rig[1].translation).norm(), 1e-3);
+}
+
+// One camera with too few views is named and left out; the rest of the rig is calibrated.
+TEST(Calibrate, OneBadCameraDoesNotCostTheRig) {
+  SyntheticOptions options = stereo(9);
+  SyntheticCamera third;
+  third.camera_from_rig = beside(-0.1, -0.1);
+  options.cameras.push_back(third);
+  SyntheticWorld world = synthetic_world(options);
+  int left = 1;
+  std::erase_if(world.problem.views, [&](const TargetView& view) { return view.camera == 2 && left-- <= 0; });
+  const CalibrationResult result = calibrate(world.problem);
+  EXPECT_THAT(result.calibration.cameras, ::testing::SizeIs(2));
+  EXPECT_THAT(result.cameras, ::testing::SizeIs(3));
+  EXPECT_EQ(result.cameras[2].views_used, 0);
+  EXPECT_THAT(result.warnings, ::testing::Contains(::testing::HasSubstr("camera2")));
+}
+
+TEST(Calibrate, TellsWhichCameraIsNotLinked) {
+  SyntheticWorld world = synthetic_world(stereo(11));
+  std::erase_if(world.problem.views, [](const TargetView& view) { return view.frame % 2 != view.camera; });
+  try {
+    calibrate(world.problem);
+    FAIL() << "expected an error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kNotEnoughData);
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("camera1"));
+  }
+}
+
+TEST(Calibrate, FewerThanThreeViewsIsRefused) {
+  SyntheticOptions options;
+  options.frames = 2;
+  EXPECT_THROW(calibrate(synthetic_world(options).problem), Error);
+}
+
+TEST(Calibrate, SameBitsForAnyNumberOfThreads) {
+  SyntheticOptions options = stereo(13);
+  options.noise_px = 0.3;
+  const SyntheticWorld world = synthetic_world(options);
+  CalibrateOptions calibrate_options;
+  calibrate_options.threads = 1;
+  const CalibrationResult one = calibrate(world.problem, calibrate_options);
+  calibrate_options.threads = 3;
+  const CalibrationResult three = calibrate(world.problem, calibrate_options);
+  EXPECT_EQ(used_views(one), used_views(three));
+  for (std::size_t c = 0; c < 2; ++c) {
+    EXPECT_EQ(one.calibration.cameras[c].camera.parameters, three.calibration.cameras[c].camera.parameters);
+    EXPECT_EQ(one.calibration.cameras[c].camera_from_rig.translation,
+              three.calibration.cameras[c].camera_from_rig.translation);
+  }
+  EXPECT_EQ(one.calibration.covariance.matrix, three.calibration.covariance.matrix);
+}
+
+// A bent board is noticed by itself, and a flat one is not bent.
+TEST(Calibrate, EstimatesTheBoardsShapeOnlyWhenThereIsOne) {
+  SyntheticOptions options;
+  options.frames = 25;
+  options.noise_px = 0.2;
+  const CalibrationResult flat = calibrate(synthetic_world(options).problem);
+  EXPECT_EQ(flat.calibration.targets[0].shape.bend_x_m, 0.0);
+  options.shape = {0.003, -0.001, 0.0005};
+  const CalibrationResult bent = calibrate(synthetic_world(options).problem);
+  EXPECT_NEAR(bent.calibration.targets[0].shape.bend_x_m, 0.003, 2e-4);
+  EXPECT_NEAR(bent.calibration.targets[0].shape.bend_y_m, -0.001, 2e-4);
+}
+
+TEST(Calibrate, KeepsFixedParameters) {
+  SyntheticOptions options;
+  options.noise_px = 0.2;
+  CalibrationProblem problem = synthetic_world(options).problem;
+  problem.rules = {{"camera0.k4", ParameterRule::Kind::kFixed, 0.0, 0.0}};
+  const CalibrationResult result = calibrate(problem);
+  EXPECT_EQ(result.calibration.cameras[0].camera.parameters[7], 0.0);
+}
+
+}  // namespace
+}  // namespace raybundle
