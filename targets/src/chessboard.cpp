@@ -62,8 +62,19 @@ Lattice grown(const std::vector<cv::Mat>& levels, int level, const Lattice& seed
 
 }  // namespace
 
+cv::Mat eight_bit(const cv::Mat& gray) {
+  if (gray.depth() == CV_8U) return gray;
+  double brightest = 0;
+  cv::minMaxLoc(gray, nullptr, &brightest);
+  cv::Mat scaled;
+  gray.convertTo(scaled, CV_8U, 255 / std::max(brightest, 255.0));
+  return scaled;
+}
+
 std::vector<Observation> detect_chessboard(const cv::Mat& gray, const Chessboard& board) {
-  const std::vector<cv::Mat> levels = pyramid_of(gray);
+  constexpr int kTooSmall_px = 16;
+  if (std::min(gray.cols, gray.rows) < kTooSmall_px) return {};
+  const std::vector<cv::Mat> levels = pyramid_of(eight_bit(gray));
   const std::size_t all = static_cast<std::size_t>(board.columns) * static_cast<std::size_t>(board.rows);
   const int longest = std::max(board.columns, board.rows) + 2;
   std::vector<Observation> best;
@@ -76,7 +87,7 @@ std::vector<Observation> detect_chessboard(const cv::Mat& gray, const Chessboard
       if (4 * seed.size() < lattices.front().size() || seed.size() <= best.size() / 2) break;  // largest first
       Lattice lattice = grown(levels, level, seed, longest);
       trim_lattice(lattice, board);
-      const auto placed = placed_on_board(lattice, closed_sides(gray, lattice), board);
+      const auto placed = placed_on_board(lattice, closed_sides(levels[0], lattice), board);
       if (placed && placed->size() > best.size()) best = *placed;
       if (best.size() == all) return best;
     }

@@ -10,6 +10,9 @@
 
 namespace raybundle {
 
+/// The image itself, or with 16 bits its values scaled so that the brightest pixel becomes 255.
+cv::Mat eight_bit(const cv::Mat& gray);
+
 /// Finds a chessboard, full or with corners missing, at any distortion; follows curved rows by local prediction.
 ///
 /// Id 0 is never mirrored: x right, y down, looking at the printed side. Where columns + rows is odd, the square

@@ -31,9 +31,10 @@ std::vector<std::pair<int, Saddle>> refined(const cv::Mat& gray, const Chessboar
 
 std::vector<Observation> refine_predicted_chessboard(const cv::Mat& gray, const Chessboard& board,
                                                      const std::vector<Observation>& predicted) {
-  std::vector<std::pair<int, Saddle>> found = refined(gray, board, predicted, 1);
+  const cv::Mat image = eight_bit(gray);
+  std::vector<std::pair<int, Saddle>> found = refined(image, board, predicted, 1);
   if ((board.columns + board.rows) % 2 == 0 && 2 * found.size() < predicted.size()) {
-    std::vector<std::pair<int, Saddle>> bright_first = refined(gray, board, predicted, 0);  // either print is in use
+    std::vector<std::pair<int, Saddle>> bright_first = refined(image, board, predicted, 0);  // either print is in use
     if (bright_first.size() > found.size()) found = std::move(bright_first);
   }
   if (found.empty()) return {};

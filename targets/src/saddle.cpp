@@ -81,7 +81,7 @@ Saddle saddle_of(const SaddleFit& fit, const Eigen::Vector2d& start, std::size_t
   const double variance_grey = mean_square / spare + 1.0 / 12;  // never below the rounding to whole grey values
   const SaddleMatrix inverse = fit.information.ldlt().solve(SaddleMatrix::Identity());
   const SaddleMatrix covariance = inverse * fit.scatter * inverse;
-  constexpr double kFloor_px = 0.01;  // pixel grid and model: what remains without noise
+  constexpr double kFloor_px = 0.015;  // pixel grid, curved edges: what remains without noise
   saddle.sigma_px = std::sqrt(variance_grey * 0.5 * (covariance(kX, kX) + covariance(kY, kY)) + kFloor_px * kFloor_px);
   return saddle;
 }

@@ -87,14 +87,14 @@ TEST(ChessboardRender, CleanFisheyeBoardsAreFoundToThreeHundredthsOfAPixel) {
   EXPECT_LT(errors.worst, 0.15);
 }
 
-// sigma is what it says: the normalised error's mean square is 1 within a factor of 2 (200 corners, unequal windows).
+// sigma is what it says: the normalised error is 1 within a factor of 1.5 (rims, where squares are 3 px, included).
 TEST(ChessboardRender, SigmaMatchesTheErrorsUnderNoise) {
   for (const double noise : {4.0, 8.0}) {
     const Errors errors = errors_over_poses({.blur_px = 0.8, .noise_grey = noise});
     EXPECT_EQ(errors.missing, 0) << "noise " << noise;
     const double ratio = std::sqrt(errors.normalised / errors.found);
-    EXPECT_GT(ratio, 0.7) << "noise " << noise;
-    EXPECT_LT(ratio, 1.4) << "noise " << noise;
+    EXPECT_GT(ratio, 0.67) << "noise " << noise;
+    EXPECT_LT(ratio, 1.5) << "noise " << noise;
   }
 }
 
@@ -138,11 +138,20 @@ TEST(ChessboardRender, PartialBoardIsPlacedByItsMarginOrNotAtAll) {
   EXPECT_TRUE(detect_chessboard(middle, kBoard).empty());
 }
 
+TEST(ChessboardRender, SixteenBitImagesAreReadAsWell) {
+  const Camera camera = fisheye();
+  const Rigid3 pose = board_pose(0.2, 0, 0.3, 0.1, 0.28);
+  cv::Mat deep;
+  render_board(camera, pose, chessboard_print(9, 6, 0.025)).convertTo(deep, CV_16U, 16);  // 12 bits in use
+  EXPECT_EQ(detect_chessboard(deep, kBoard).size(), 54U);
+}
+
 TEST(ChessboardRender, ImageWithoutBoardGivesNothing) {
   cv::Mat noise(480, 640, CV_8U);
   std::mt19937 random(5);
   for (int i = 0; i < 480 * 640; ++i) noise.data[i] = static_cast<uchar>(random() % 256);
   EXPECT_TRUE(detect_chessboard(noise, kBoard).empty());
+  EXPECT_TRUE(detect_chessboard(cv::Mat(), kBoard).empty());
   EXPECT_TRUE(detect_chessboard(cv::Mat(480, 640, CV_8U, cv::Scalar(128)), kBoard).empty());
 }
 
