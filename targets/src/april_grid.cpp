@@ -17,10 +17,11 @@
 namespace raybundle {
 namespace {
 
-constexpr double kMarkerWeight = 0.1;    // a contour's corner is good to about a pixel
-constexpr double kReachPitches = 1.3;    // tags are predicted from known points up to this distance
-constexpr double kFarthestShare = 0.15;  // of a tag, from the predicted place
-constexpr double kMostMisread = 0.12;    // of a predicted tag's bits
+constexpr double kMarkerWeight = 0.1;       // a contour's corner is good to about a pixel
+constexpr double kReachPitches = 1.3;       // tags are predicted from known points up to this distance
+constexpr double kFarthestShare = 0.15;     // of a tag, from the predicted place
+constexpr double kMostMisread = 0.12;       // of a predicted tag's bits; codes differ in 30 % of theirs
+constexpr double kMostMisreadAtLast = 0.2;  // when nothing better is found: a corner of the tag may be off
 constexpr double kSmallestWindow_px = 3.0;
 constexpr double kFewestSquares = 0.25;  // of the first tags' corners that are saddles on a grid with corner squares
 
@@ -93,7 +94,7 @@ struct Tag {
 };
 
 // Corner by corner, those next to what is known first: each one found steadies the prediction of the next.
-std::optional<Tag> refine_tag(const Grid& grid, int index, MarkerMap map) {
+std::optional<Tag> refine_tag(const Grid& grid, int index, MarkerMap map, double most_misread) {
   Tag tag;
   const std::array<int, 4> ids = grid.corner_ids(index);
   std::array<int, 4> order{0, 1, 2, 3};
@@ -112,7 +113,7 @@ std::optional<Tag> refine_tag(const Grid& grid, int index, MarkerMap map) {
   if (tag.corners.size() < 2) return std::nullopt;
   const double misread =
       misread_bits(grid.gray, tag.quad, grid.codes, grid.board.first_tag + index, grid.board.border_bits);
-  if (misread > kMostMisread) return std::nullopt;
+  if (misread > most_misread) return std::nullopt;
   return tag;
 }
 
@@ -125,11 +126,12 @@ std::map<int, Observation> grow(const Grid& grid, const std::vector<Marker>& mar
   }
   std::map<int, Observation> found;
   std::set<int> done;
+  double most_misread = kMostMisread;
   for (bool progress = true; progress;) {
     std::vector<std::pair<int, Tag>> fresh;
     for (int index = 0; index < grid.tags(); ++index) {
       if (done.contains(index)) continue;
-      if (auto tag = refine_tag(grid, index, map)) fresh.emplace_back(index, *tag);
+      if (auto tag = refine_tag(grid, index, map, most_misread)) fresh.emplace_back(index, *tag);
     }
     for (const auto& [index, tag] : fresh) {
       done.insert(index);
@@ -138,7 +140,8 @@ std::map<int, Observation> grow(const Grid& grid, const std::vector<Marker>& mar
         found.emplace(corner.point_id, corner);
       }
     }
-    progress = !fresh.empty();
+    progress = !fresh.empty() || most_misread == kMostMisread;
+    if (fresh.empty()) most_misread = kMostMisreadAtLast;
   }
   // Corners that failed when little was known around them.
   for (const int index : done) {
@@ -241,7 +244,7 @@ std::vector<Observation> refine_predicted_april_grid(const cv::Mat& gray, const 
       grid.corner_squares = squares;
       for (int turn = 0; turn < 4 && !best; ++turn) {
         grid.turn = turn;
-        best = refine_tag(grid, index, map);
+        best = refine_tag(grid, index, map, kMostMisreadAtLast);
       }
       if (best) break;
     }

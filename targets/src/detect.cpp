@@ -51,7 +51,7 @@ struct Refine {
 };
 
 // The detectors read 8 bits; of 16 the range that the image fills is kept.
-cv::Mat eight_bit(const cv::Mat& gray) {
+cv::Mat detector_image(const cv::Mat& gray) {
   if (gray.empty() || gray.channels() != 1 || (gray.depth() != CV_8U && gray.depth() != CV_16U)) {
     throw Error(ErrorKind::kBadInput,
                 "boards are looked for in 8-bit or 16-bit images of one channel: convert to grey");
@@ -69,13 +69,13 @@ cv::Mat eight_bit(const cv::Mat& gray) {
 }  // namespace
 
 Detection detect(const Board& board, const cv::Mat& gray) {
-  const cv::Mat image = eight_bit(gray);
+  const cv::Mat image = detector_image(gray);
   return std::visit(Detect{image}, board);
 }
 
 std::vector<Observation> refine_predicted(const Board& board, const cv::Mat& gray,
                                           const std::vector<Observation>& predicted) {
-  const cv::Mat image = eight_bit(gray);
+  const cv::Mat image = detector_image(gray);
   return std::visit(Refine{image, predicted}, board);
 }
 

@@ -138,7 +138,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, RenderedBoard,
                                            Case{"aprilgrid:6x5:60mm:0.3", 0.060, 0.95, 0.10},
                                            Case{"aprilgrid:6x5:60mm:0.3:1bit", 0.060, 0.95, 0.10},
                                            Case{"circles:9x7:20mm", 0.020, 0.95, 0.06},
-                                           Case{"asymmetric_circles:5x11:20mm", 0.020, 0.95, 0.06}));
+                                           Case{"asymmetric_circles:5x11:20mm", 0.020, 0.95, 0.08}));
 
 TEST(Detect, TakesSixteenBitsAndRefusesColour) {
   const cv::Mat colour(100, 100, CV_8UC3, cv::Scalar(1, 2, 3));
