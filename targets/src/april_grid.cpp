@@ -22,6 +22,8 @@ constexpr double kReachPitches = 1.3;       // tags are predicted from known poi
 constexpr double kFarthestShare = 0.15;     // of a tag, from the predicted place
 constexpr double kMostMisread = 0.12;       // of a predicted tag's bits; codes differ in 30 % of theirs
 constexpr double kMostMisreadAtLast = 0.2;  // when nothing better is found: a corner of the tag may be off
+constexpr double kStrayShare = 0.06;        // of a tag: how far a corner may lie from where its neighbours predict it,
+constexpr double kStray_px = 0.5;           // and a rest
 constexpr double kSmallestWindow_px = 3.0;
 constexpr double kFewestSquares = 0.25;  // of the first tags' corners that are saddles on a grid with corner squares
 
@@ -110,49 +112,103 @@ std::optional<Tag> refine_tag(const Grid& grid, int index, MarkerMap map, double
     }
     tag.quad[k] = corner ? corner->pixel : prediction->pixel;
   }
-  if (tag.corners.size() < 2) return std::nullopt;
+  const std::size_t fewest = most_misread > kMostMisread ? 2 : 3;
+  if (tag.corners.size() < fewest) return std::nullopt;
   const double misread =
       misread_bits(grid.gray, tag.quad, grid.codes, grid.board.first_tag + index, grid.board.border_bits);
   if (misread > most_misread) return std::nullopt;
   return tag;
 }
 
-// Tag after tag, each predicted from what is known around it, until no more is found.
-std::map<int, Observation> grow(const Grid& grid, const std::vector<Marker>& markers) {
-  const MarkerLayout layout = grid.layout();
-  MarkerMap map;
-  for (const Marker& marker : markers) {
-    for (int k = 0; k < 4; ++k) map.add(layout[marker.id][k], marker.corners[k], kMarkerWeight);
+// Drops corners that their neighbours do not bear out, the worst one first.
+void drop_strays(const Grid& grid, std::map<int, Observation>& found) {
+  while (found.size() > 8) {
+    int worst = -1;
+    double worst_share = 1.0;
+    for (const auto& [id, corner] : found) {
+      MarkerMap others;
+      for (const auto& [other, at] : found) {
+        const double distance = (grid.place(other) - grid.place(id)).norm();
+        if (other != id && distance < 2.0 * grid.pitch_m()) others.add(grid.place(other), at.pixel, 1.0);
+      }
+      const auto prediction = others.predict(grid.place(id), grid.pitch_m());
+      if (!prediction) continue;
+      const double side = grid.board.tag_m * std::min(prediction->pixel_from_board.col(0).norm(),
+                                                      prediction->pixel_from_board.col(1).norm());
+      const double off = (corner.pixel - prediction->pixel).norm();
+      const double share = off / (kStrayShare * side + kStray_px);
+      if (share > worst_share) {
+        worst_share = share;
+        worst = id;
+      }
+    }
+    if (worst < 0) return;
+    found.erase(worst);
   }
-  std::map<int, Observation> found;
-  std::set<int> done;
+}
+
+struct Found {
+  std::map<int, Observation> corners;  // by point id
+  std::set<int> tags;
+};
+
+// Tag after tag, each predicted from what is known around it, until no more is found.
+void add_tags(const Grid& grid, MarkerMap map, Found& found) {
   double most_misread = kMostMisread;
   for (bool progress = true; progress;) {
     std::vector<std::pair<int, Tag>> fresh;
     for (int index = 0; index < grid.tags(); ++index) {
-      if (done.contains(index)) continue;
+      if (found.tags.contains(index)) continue;
       if (auto tag = refine_tag(grid, index, map, most_misread)) fresh.emplace_back(index, *tag);
     }
     for (const auto& [index, tag] : fresh) {
-      done.insert(index);
+      found.tags.insert(index);
       for (const Observation& corner : tag.corners) {
         map.add(grid.place(corner.point_id), corner.pixel, 1.0);
-        found.emplace(corner.point_id, corner);
+        found.corners.emplace(corner.point_id, corner);
       }
     }
     progress = !fresh.empty() || most_misread == kMostMisread;
     if (fresh.empty()) most_misread = kMostMisreadAtLast;
   }
-  // Corners that failed when little was known around them.
-  for (const int index : done) {
+}
+
+MarkerMap map_of(const Grid& grid, const std::map<int, Observation>& corners) {
+  MarkerMap map;
+  for (const auto& [id, corner] : corners) map.add(grid.place(id), corner.pixel, 1.0);
+  return map;
+}
+
+// Corners of found tags that failed when little was known around them.
+void add_missing_corners(const Grid& grid, Found& found) {
+  const MarkerMap map = map_of(grid, found.corners);
+  for (const int index : found.tags) {
     for (const int id : grid.corner_ids(index)) {
-      if (found.contains(id)) continue;
+      if (found.corners.contains(id)) continue;
       const auto prediction = map.predict(grid.place(id), grid.pitch_m());
       if (!prediction) continue;
-      if (const auto corner = refine_corner(grid, id, *prediction)) found.emplace(id, *corner);
+      if (const auto corner = refine_corner(grid, id, *prediction)) found.corners.emplace(id, *corner);
     }
   }
-  return found;
+}
+
+// From the tags that were read first to the whole board. A wrong corner leads its neighbours astray: after the strays
+// are gone, what they hid is looked for again.
+std::map<int, Observation> grow(const Grid& grid, const std::vector<Marker>& markers) {
+  const MarkerLayout layout = grid.layout();
+  MarkerMap seeds;
+  for (const Marker& marker : markers) {
+    for (int k = 0; k < 4; ++k) seeds.add(layout[marker.id][k], marker.corners[k], kMarkerWeight);
+  }
+  Found found;
+  add_tags(grid, seeds, found);
+  for (int round = 0; round < 2; ++round) {
+    drop_strays(grid, found.corners);
+    add_missing_corners(grid, found);
+    add_tags(grid, map_of(grid, found.corners), found);
+  }
+  drop_strays(grid, found.corners);
+  return found.corners;
 }
 
 // Whether the corners of tags meet black squares, as Kalibr prints them.
