@@ -97,6 +97,12 @@ std::vector<StageTime> stages_of(double detect_seconds, const CalibrationResult&
   return stages;
 }
 
+// The current folder, where image paths start, as seen from another one.
+std::string folder_from(const std::filesystem::path& folder) {
+  std::error_code failed;
+  return std::filesystem::relative(std::filesystem::current_path(), folder, failed).generic_string();
+}
+
 }  // namespace
 
 void run_calibration(const CalibrateJob& job) {
@@ -130,7 +136,7 @@ void run_calibration(const CalibrateJob& job) {
   result.stages.push_back({"write", now() - write_begin});
   const std::string report = text_from_report(problem, result, extra);
   write_file_whole(folder / "report.json", report);
-  write_file_whole(folder / "report.html", report_page(report));
+  write_file_whole(folder / "report.html", report_page(report, folder_from(folder)));
 
   if (job.json) {
     fmt::print("{}\n", report);

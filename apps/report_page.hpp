@@ -6,9 +6,10 @@
 
 namespace raybundle::apps {
 
-/// report.html: one self-contained page that draws everything from report.json.
+/// report.html: one self-contained page that draws everything from report.json and asks for nothing from a network.
 ///
 /// @param report_json  the text of report.json, which is put into the page
-std::string report_page(const std::string& report_json);
+/// @param images       folder that the report's image paths start from, as seen from the page's folder; empty: the same
+std::string report_page(const std::string& report_json, const std::string& images = {});
 
 }  // namespace raybundle::apps

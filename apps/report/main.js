@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+// Puts the page together from the report that stands in it.
+
+function cameraSection(camera) {
+  const panel = viewsPanel(camera);
+  const choose = (entry) => {
+    panel.choose(entry);
+    panel.node.scrollIntoView({ block: "nearest" });
+  };
+  const figures = camera.used.length
+    ? el("div", { class: "figures" }, coverageFigure(camera, choose), residualFigure(camera, choose), meanResidualFigure(camera),
+      radialFigure(camera, choose), histogramFigure(camera), viewBarsFigure(camera, choose))
+    : el("p", {}, "None of its corners was used.");
+  return section(camera.anchor, `Camera ${camera.name}`,
+    el("p", {}, `${camera.views_used} of ${counted(camera.views_total, "view")} and ${counted(camera.corners_used, "corner")} used, ` +
+      `${count(camera.corners_outlier)} left out as outliers; rms ${px(camera.rms_px)} px, median ${px(camera.median_px)} px.`),
+    figures, el("h3", {}, "Views, worst first"), panel.node, el("h3", {}, "Parameters"), parametersTable(camera));
+}
+
+function navigation(sections) {
+  const links = sections.map((node) => el("li", {}, el("a", { href: "#" + node.id }, node.dataset.short ?? node.querySelector("h2").textContent)));
+  return el("nav", { "aria-label": "Parts of the report" }, el("ul", {}, links));
+}
+
+function drawPage(report) {
+  const cameras = report.cameras.map((camera, i) => ({ ...cameraModel(camera, report), anchor: "camera-" + i }));
+  const names = cameras.map((camera) => camera.name).join(", ");
+  const warnings = warningsSection(report);
+  const sections = [warnings, camerasSection(cameras), ...cameras.map(cameraSection), rigSection(report, cameras), boardsSection(report),
+    setAsideSection(report), runSection(report)].filter(Boolean);
+  const version = report.provenance.versions.find(({ name }) => name === "raybundle");
+  document.title = `Calibration of ${names}`;
+  document.getElementById("page").replaceWith(
+    el("header", {}, el("h1", {}, "Calibration report"), el("p", { class: "muted" }, names), tiles(report, cameras)),
+    navigation(sections), el("main", { id: "main" }, sections),
+    el("footer", {}, "Drawn from report.json, which this page carries whole", version ? `; Raybundle ${version.value}` : "", "."), tip);
+  plots.forEach((item) => item.redraw());
+  followPrinterAndScheme();
+}
+
+try {
+  drawPage(JSON.parse(document.getElementById("report").textContent));
+  document.documentElement.dataset.drawn = "yes";
+} catch (error) {
+  document.documentElement.dataset.drawn = "no";
+  document.body.prepend(el("main", { role: "alert" }, el("h1", {}, "This report could not be drawn"), el("p", {}, String(error)),
+    el("p", {}, "The numbers are in report.json; please report this together with that file.")));
+}
