@@ -13,6 +13,7 @@
 #include "robust_solve.hpp"
 #include "subproblem.hpp"
 #include "summary.hpp"
+#include "ties.hpp"
 
 namespace raybundle {
 namespace {
@@ -125,22 +126,29 @@ bool data_carry_shape(const CalibrationProblem& problem, const BundleState& flat
 
 struct JointSolve {
   BundleSummary summary;
+  std::vector<SetAside> untied;
   bool shape_estimated = false;
 };
+
+constexpr int kMaxTieReviews = 8;
 
 JointSolve solve_jointly(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
                          std::vector<std::string>& reasons) {
   solve_robustly(problem, state, options);
-  mark_outliers(problem, state, options, reasons);
-  give_second_chance(problem, state, reasons);
-  JointSolve solve{solve_without_outliers(problem, state, options, false, reasons)};
+  JointSolve solve;
+  for (int round = 0; round < kMaxTieReviews; ++round) {
+    give_second_chance(problem, state, reasons);
+    if (!review_ties(problem, state, options, solve.untied) && round > 0) break;
+    solve.summary = solve_without_outliers(problem, state, options, false, reasons);
+  }
   const bool flat_board = std::ranges::any_of(problem.targets, &Target::flat);
   if (options.estimate_shape && flat_board && solve.summary.termination != Termination::kFailed) {
     BundleState bent = state;
     std::vector<std::string> bent_reasons = reasons;
     const BundleSummary summary = solve_without_outliers(problem, bent, options, true, bent_reasons);
     if (summary.termination != Termination::kFailed && data_carry_shape(problem, state, bent)) {
-      solve = {summary, true};
+      solve.summary = summary;
+      solve.shape_estimated = true;
       state = bent;
       reasons = bent_reasons;
     }
@@ -228,7 +236,7 @@ CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOp
   timed(result, "uncertainty", [&] { fill_covariance(sub.problem, state, bundle, result); });
 
   fill_result(sub.problem, state, result);
-  result.set_aside = rig.set_aside;
+  result.set_aside = solve.untied;
   name_views_set_aside(state, reasons, result);
   result.termination = solve.summary.termination;
   result.iterations = solve.summary.iterations;

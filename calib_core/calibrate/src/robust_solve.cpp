@@ -65,9 +65,12 @@ void mark_view(const CalibrationProblem& problem, BundleState& state, int view, 
     used += fits;
   }
   if (used >= kFewestCorners && 2 * used >= distances.size()) return;
-  std::vector<double> sorted = distances;
-  reason = fmt::format("only {} of {} corners lie within {:.1f} sigma of their projections; median {:.1f} sigma", used,
-                       distances.size(), limit, median(sorted));
+  std::vector<double> distances_px;
+  for (std::size_t i = 0; i < distances.size(); ++i) {
+    distances_px.push_back(distances[i] * problem.views[view].observations[i].sigma_px);
+  }
+  reason = fmt::format("only {} of {} corners fit the camera; the median distance is {:.2f} px", used, distances.size(),
+                       median(distances_px));
   state.pose_of_view[view] = -1;
   std::ranges::fill(fates, ObservationFate::kViewSetAside);
 }

@@ -15,6 +15,7 @@ struct CalibrateOptions {
   bool estimate_shape = true;       ///< bend and twist of the boards, where the data can carry it
   double robust_scale_sigma = 3.0;  ///< Cauchy loss of the first solve, in robust sigmas of the residuals
   double outlier_sigma = 5.0;       ///< corners beyond this many robust sigmas are removed, by id
+  double tie_sigma = 5.0;           ///< [noise sigmas] by which a frame may fit worse tied than apart
   int max_iterations = 200;
   int threads = 2;
 
@@ -25,6 +26,8 @@ struct CalibrateOptions {
           options.estimate_shape);
     visit("robust_scale_sigma", "sigma", "scale of the Cauchy loss in the first solve", options.robust_scale_sigma);
     visit("outlier_sigma", "sigma", "corners with larger residuals are removed", options.outlier_sigma);
+    visit("tie_sigma", "sigma", "a frame whose views fit worse together than apart by more does not tie the cameras",
+          options.tie_sigma);
     visit("max_iterations", "", "of each solve", options.max_iterations);
     visit("threads", "", "worker threads; the result does not depend on them", options.threads);
   }
