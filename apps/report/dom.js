@@ -29,6 +29,13 @@ function table(columns, rows, caption = null) {
   return el("div", { class: "scroll" }, el("table", { "aria-label": caption }, parts));
 }
 
+/** The same, as narrow as its content. */
+function narrowTable(...parameters) {
+  const box = table(...parameters);
+  box.classList.add("narrow");
+  return box;
+}
+
 function section(id, title, ...children) {
   const heading = el("h2", { id: id + "-title" }, title);
   return el("section", { id, "aria-labelledby": id + "-title" }, heading, ...children);
@@ -42,6 +49,11 @@ function count(value) {
 /** "1 view", "2 views" */
 function counted(value, noun) {
   return count(value) + " " + noun + (value === 1 ? "" : "s");
+}
+
+/** A clause as a sentence. */
+function sentence(clause) {
+  return clause && clause[0].toUpperCase() + clause.slice(1) + (/[.!?]$/.test(clause) ? "" : ".");
 }
 
 function fixed(value, digits) {

@@ -77,12 +77,12 @@ function histogramFigure(camera) {
     context.fillStyle = context.strokeStyle = color("ink");
     context.lineWidth = 1;
     context.textBaseline = "top";
-    const right = box.right - 90;
-    [["median", camera.median_px, 0], ["rms", camera.rms_px, 15]].forEach(([name, value, down]) => {
-      line(context, toX(value), box.top, toX(value), box.bottom);
-      context.textAlign = toX(value) < right ? "left" : "right";
-      context.fillText(`${name} ${px(value)}`, toX(value) + (toX(value) < right ? 4 : -4), box.top + down);
-    });
+    for (const [name, value, side] of [["median", camera.median_px, -1], ["rms", camera.rms_px, 1]]) {
+      const x = toX(Math.min(value, high));
+      line(context, x, box.top, x, box.bottom);
+      context.textAlign = side < 0 ? "right" : "left";
+      context.fillText(`${name} ${px(value)}`, x + 4 * side, box.top);
+    }
     return bins.map((n, i) => ({ x: toX(((i + 0.5) * high) / 40), y: toY(n / 2), text: counted(n, "corner") }));
   };
   const label = `Distribution of the residuals of ${camera.name}: median ${px(camera.median_px)} px, rms ${px(camera.rms_px)} px`;

@@ -60,7 +60,7 @@ function coverageFigure(camera, choose) {
   const reach = camera.hasAngles ? ` and reach ${fixed(camera.widest, 0)}° from the axis` : "";
   const label = `Corners in the image of ${camera.name}: they cover ${share} of it`;
   return figure("Where the corners are", plot({ aspect: camera.width / camera.height, label, draw }),
-    `The used corners fall into ${share} of the image${reach}. The darker a cell, the more of them, up to ${count(most)}. ` +
+    `The used corners fall into ${share} of the image${reach}. The stronger a cell's colour, the more of them, up to ${count(most)}. ` +
     "Crosses were left out. Where there are none, the lens model extrapolates.");
 }
 

@@ -32,7 +32,7 @@ function drawPage(report) {
   const version = report.provenance.versions.find(({ name }) => name === "raybundle");
   document.title = `Calibration of ${names}`;
   document.getElementById("page").replaceWith(
-    el("header", {}, el("h1", {}, "Calibration report"), el("p", { class: "muted" }, names), tiles(report, cameras)),
+    el("header", {}, el("h1", {}, "Calibration report"), el("p", { class: "muted" }, names), tiles(report)),
     navigation(sections), el("main", { id: "main" }, sections),
     el("footer", {}, "Drawn from report.json, which this page carries whole", version ? `; Raybundle ${version.value}` : "", "."), tip);
   plots.forEach((item) => item.redraw());

@@ -77,7 +77,7 @@ function cellsOf(camera, used, columns) {
 /** One camera with its views, corners and cells. */
 function cameraModel(camera, report) {
   const views = report.views.filter((view) => view.camera === camera.name);
-  const reasons = report.set_aside.filter((entry) => entry.camera === camera.name && entry.scope === "view");
+  const reasons = report.set_aside.filter((entry) => entry.camera === camera.name && entry.scope !== "image");
   const entries = views.map((view) => {
     const corners = cornersOf(view, report);
     addAngles(corners, camera, view, report);

@@ -69,9 +69,9 @@ function drawRig(context, width, height, scene, look) {
     });
     context.textAlign = "center";
     context.textBaseline = "bottom";
-    context.fillText(name, centre[0], centre[1] - 4);
+    context.fillText(name, centre[0], Math.min(centre[1], ...base.map((corner) => corner[1])) - 3);
   });
-  const bar = niceBelow(scene.radius / 2), [a, b] = [place(scene.middle), 0];
+  const bar = niceBelow(scene.radius / 2);
   const length = (bar * look.zoom * Math.min(width, height)) / (2 * scene.radius);
   scaleBar(context, width, height, length, bar >= 1 ? `${tickText(bar)} m` : `${tickText(1000 * bar)} mm`);
   return marks;

@@ -8,16 +8,16 @@ function warningsSection(report) {
   const missing = report.cameras.filter((camera) => !camera.parameters).map((camera) => `Camera ${camera.name} was not calibrated.`);
   const sentences = [ended, ...missing, ...report.warnings].filter(Boolean);
   if (!sentences.length) return null;
-  const node = section("warnings", sentences.length === 1 ? "A warning first" : "Warnings first",
+  const node = section("warnings", sentences.length === 1 ? "One warning" : `${sentences.length} warnings`,
     el("ul", {}, sentences.map((sentence) => el("li", {}, sentence))));
   node.classList.add("warnings");
   return node;
 }
 
-function tiles(report, cameras) {
+function tiles(report) {
   const sum = (key) => report.cameras.reduce((total, camera) => total + camera[key], 0);
   const used = sum("corners_used"), left = sum("corners_outlier");
-  const tile = (name, value, unit, small) => el("div", {}, el("dt", {}, name), el("dd", {}, value, el("small", {}, " " + unit), small ? el("small", {}, small) : null));
+  const tile = (name, value, unit) => el("div", {}, el("dt", {}, name), el("dd", {}, value, " ", el("small", {}, unit)));
   const ended = { converged: "converged", iteration_limit: "not converged", failed: "failed" }[report.termination];
   return el("dl", { class: "tiles" },
     tile("rms, all cameras", px(report.rms_px), "px"),
@@ -29,7 +29,7 @@ function tiles(report, cameras) {
 
 function camerasSection(cameras) {
   const rows = cameras.map((camera) => [
-    el("a", { href: "#" + camera.anchor }, camera.name), camera.model, `${camera.width} × ${camera.height}`,
+    el("a", { href: "#" + camera.anchor }, camera.name), camera.model, `${camera.width}\u00a0×\u00a0${camera.height}`,
     `${camera.views_used} / ${camera.views_total}`, count(camera.corners_used), count(camera.corners_outlier),
     px(camera.rms_px), px(camera.median_px), camera.parameters ? withSigma(camera.parameters.fx, camera.sigmas.fx).join(" ") : "–",
     percent(camera.cells.covered, camera.cells.cells.length),
@@ -47,7 +47,7 @@ function parametersTable(camera) {
     const [text, sigma] = withSigma(value, camera.sigmas[name]);
     return [el("code", {}, name), text, sigma, unit(name)];
   });
-  return table([["parameter", ""], [camera.model, "number"], ["sigma", "number"], ["unit", ""]], rows, `Parameters of ${camera.name}`);
+  return narrowTable([["parameter", ""], [camera.model, "number"], ["sigma", "number"], ["unit", ""]], rows, `Parameters of ${camera.name}`);
 }
 
 /** Length of a translation and its sigma to first order [m]. */
@@ -66,7 +66,7 @@ function extrinsicsTable(cameras) {
     const millimetres = ["x", "y", "z"].map((axis, i) => withSigma(1e3 * t[i], 1e3 * sigma("translation_" + axis)).join(" "));
     return [camera.name, withSigma(1e3 * length, 1e3 * length_sigma).join(" "), fixed(turn, 3), fixed(turn_sigma, 4), ...millimetres];
   });
-  return table([["camera", ""], ["baseline mm", "number"], ["turned by °", "number"], ["rotation sigma °", "number"], ["x mm", "number"],
+  return narrowTable([["camera", ""], ["baseline mm", "number"], ["turned by °", "number"], ["rotation sigma °", "number"], ["x mm", "number"],
     ["y mm", "number"], ["z mm", "number"]], rows, "Places of the cameras");
 }
 
@@ -77,7 +77,7 @@ function rigSection(report, cameras) {
       `Relative to ${first}, whose frame is the rig frame. x, y, z: translation of camera_from_rig. Rotation sigma: root of the summed squares over the three axes.`)]
     : [];
   const space = report.poses.length && cameras.some((camera) => camera.camera_from_rig) ? [rigFigure(report)] : [];
-  return section("rig", cameras.length > 1 ? "The rig" : "The poses", ...words, ...space, el("p", { class: "muted" }, report.gauge));
+  return section("rig", cameras.length > 1 ? "The rig" : "The poses", ...words, ...space, el("p", { class: "muted" }, sentence(report.gauge)));
 }
 
 function boardsSection(report) {
@@ -87,7 +87,7 @@ function boardsSection(report) {
     return [target.name, count(target.points.length), sag("bend_x_m"), sag("bend_y_m"), sag("twist_m")];
   });
   return section("boards", report.targets.length === 1 ? "The board" : "The boards",
-    table([["board", ""], ["points", "number"], ["bend along x mm", "number"], ["bend along y mm", "number"], ["twist mm", "number"]], rows, "Boards"),
+    narrowTable([["board", ""], ["points", "number"], ["bend along x mm", "number"], ["bend along y mm", "number"], ["twist mm", "number"]], rows, "Boards"),
     el("p", { class: "muted" }, "Bend: how far the middle stands off the plane through the edges; twist: how far the corners do."));
 }
 
@@ -101,7 +101,7 @@ function setAsideSection(report) {
   });
   if (!parts.length) parts.push(el("p", {}, "Nothing: every image gave a view, and every view was used."));
   return section("aside", "What was set aside, and why", ...parts,
-    report.outlier_rule ? el("p", { class: "muted" }, `Rule for outliers: ${report.outlier_rule}.`) : null);
+    report.outlier_rule ? el("p", { class: "muted" }, sentence(report.outlier_rule)) : null);
 }
 
 function runSection(report) {
@@ -109,10 +109,10 @@ function runSection(report) {
   const longest = Math.max(1e-9, ...report.stages.map((stage) => stage.seconds));
   const stages = report.stages.map((stage) => [stage.name, fixed(stage.seconds, 2), el("span", { class: "bar", style: `width:${((12 * stage.seconds) / longest).toFixed(2)}rem` })]);
   const { command, inputs, options, versions } = report.provenance;
-  const pairs = (entries, title) => table([[title, ""], ["", "path"]], entries.map(({ name, value }) => [name, el("code", {}, value)]), title);
+  const pairs = (entries, title) => narrowTable([[title, ""], ["", "path"]], entries.map(({ name, value }) => [name, el("code", {}, value)]), title);
   return section("run", "How it was done",
     command ? el("p", {}, el("code", {}, command)) : null,
-    table([["stage", ""], ["seconds", "number"], ["", ""]], [...stages, ["together", fixed(total, 2), ""]], "Time by stage"),
+    narrowTable([["stage", ""], ["seconds", "number"], ["", ""]], [...stages, ["together", fixed(total, 2), ""]], "Time by stage"),
     el("p", { class: "muted" }, `Variance factor ${fixed(report.variance_factor, 3)}: chi² per degree of freedom, by which all sigmas have been scaled.`),
     el("details", {}, el("summary", {}, "Options and versions"), pairs(options, "option"), pairs(versions, "version")),
     el("details", {}, el("summary", {}, `Inputs and their SHA-256 (${inputs.length})`),

@@ -33,7 +33,8 @@ function viewWords(entry) {
   const left = entry.corners.filter((corner) => corner.fate === "outlier" || corner.fate === "unprojectable");
   const words = entry.view.pose < 0
     ? `set aside: ${entry.reason ?? "it did not fit"}. `
-    : `${px(entry.view.rms_px)} px rms over ${counted(entry.used.length, "corner")}. `;
+    : `${px(entry.view.rms_px)} px rms over ${counted(entry.used.length, "corner")}. ` +
+      (entry.reason ? `Not used for the camera's place on the rig: ${entry.reason}. ` : "");
   const worst = [...entry.used].sort((a, b) => b.distance - a.distance).slice(0, 5);
   const list = worst.map((corner) => `${corner.id} (${px(corner.distance)} px)`).join(", ");
   return [el("strong", {}, `Frame ${entry.name}: `), words,
@@ -46,16 +47,19 @@ function drawView(context, camera, entry, width, height) {
   const { scale, toX, toY } = imageFrame(context, camera, width, height);
   const marks = entry.corners.map((corner) => {
     const x = toX(corner.u), y = toY(corner.v), used = corner.fate === "used";
-    context.lineWidth = 1.5;
-    context.strokeStyle = color(used ? "accent" : "bad");
-    if (!used) {
-      cross(context, x, y, 4);
-    } else {
+    // A halo first, so that the line is seen on any image.
+    for (const [name, wide] of [["sheet", 4], [used ? "accent" : "bad", 1.75]]) {
+      context.strokeStyle = color(name);
+      context.lineWidth = wide;
       context.beginPath();
-      context.arc(x, y, 2.5, 0, 7);
-      context.moveTo(x, y);
-      context.lineTo(x + corner.du * stretch * scale, y + corner.dv * stretch * scale);
-      context.stroke();
+      if (used) {
+        context.arc(x, y, 2.5, 0, 7);
+        context.moveTo(x, y);
+        context.lineTo(x + corner.du * stretch * scale, y + corner.dv * stretch * scale);
+        context.stroke();
+      } else {
+        cross(context, x, y, 4);
+      }
     }
     return { x, y, text: () => cornerText(corner) };
   });
