@@ -64,6 +64,7 @@ function fixed(value, digits) {
 /** A length in pixels with three significant digits or so. */
 function px(value) {
   if (!Number.isFinite(value)) return "–";
+  if (value > 0 && value < 5e-4) return value.toExponential(1).replace("-", "−");
   return fixed(value, value >= 100 ? 0 : value >= 10 ? 1 : value >= 1 ? 2 : 3);
 }
 

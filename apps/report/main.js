@@ -8,13 +8,15 @@ function cameraSection(camera) {
     panel.choose(entry);
     panel.node.scrollIntoView({ block: "nearest" });
   };
+  const unreached = camera.corners.filter((corner) => corner.fate === "unprojectable").length;
+  const beyond = unreached ? `, ${count(unreached)} because the model does not reach them` : "";
   const figures = camera.used.length
     ? el("div", { class: "figures" }, coverageFigure(camera, choose), residualFigure(camera, choose), meanResidualFigure(camera),
       radialFigure(camera, choose), histogramFigure(camera), viewBarsFigure(camera, choose))
     : el("p", {}, "None of its corners was used.");
   return section(camera.anchor, `Camera ${camera.name}`,
     el("p", {}, `${camera.views_used} of ${counted(camera.views_total, "view")} and ${counted(camera.corners_used, "corner")} used, ` +
-      `${count(camera.corners_outlier)} left out as outliers; rms ${px(camera.rms_px)} px, median ${px(camera.median_px)} px.`),
+      `${count(camera.corners_outlier)} left out as outliers${beyond}; rms ${px(camera.rms_px)} px, median ${px(camera.median_px)} px.`),
     figures, el("h3", {}, "Views, worst first"), panel.node, el("h3", {}, "Parameters"), parametersTable(camera));
 }
 

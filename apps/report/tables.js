@@ -31,7 +31,7 @@ function camerasSection(cameras) {
   const rows = cameras.map((camera) => [
     el("a", { href: "#" + camera.anchor }, camera.name), camera.model, `${camera.width}\u00a0×\u00a0${camera.height}`,
     `${camera.views_used} / ${camera.views_total}`, count(camera.corners_used), count(camera.corners_outlier),
-    px(camera.rms_px), px(camera.median_px), camera.parameters ? withSigma(camera.parameters.fx, camera.sigmas.fx).join(" ") : "–",
+    px(camera.used.length ? camera.rms_px : NaN), px(camera.used.length ? camera.median_px : NaN), camera.parameters ? withSigma(camera.parameters.fx, camera.sigmas.fx).join(" ") : "–",
     percent(camera.cells.covered, camera.cells.cells.length),
   ]);
   return section("cameras", "Cameras", table([["camera", ""], ["lens model", ""], ["image", ""], ["views used", "number"],
