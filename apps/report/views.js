@@ -71,8 +71,11 @@ function drawView(context, camera, entry, width, height) {
 function viewsPanel(camera) {
   const detail = viewDetail(camera);
   const order = worstFirst(camera.entries), rowOf = new Map();
+  let chosen = null;
+  const mark = () => rowOf.forEach((row, entry) => row.classList.toggle("chosen", entry === chosen));
   const choose = (entry) => {
-    for (const [other, row] of rowOf) row.classList.toggle("chosen", other === entry);
+    chosen = entry;
+    mark();
     detail.show(entry);
   };
   const list = el("div", { class: "list" });
@@ -86,6 +89,7 @@ function viewsPanel(camera) {
     const node = table([["frame", ""], ["rms px", "number"], ["used / seen", "number"], ["image", "path"]], rows, `Views of ${camera.name}, worst first`);
     rowOf.clear();
     node.querySelectorAll("tbody tr").forEach((row, i) => rowOf.set(entries[i], row));
+    mark();
     list.replaceChildren(node);
   };
   fill(order.slice(0, viewsAtFirst));
