@@ -34,31 +34,37 @@ void solve_poses(const CalibrationProblem& problem, BundleState& state, int thre
   solve_bundle(poses_only, state, options);
 }
 
-// A quarter of the frames always ties the cameras: boards in motion are better than none.
-double lower_quartile(const std::vector<TieCheck>& checks) {
+double quantile(std::vector<double> values, double fraction) {
+  const auto at = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
+  std::ranges::nth_element(values, values.begin() + at);
+  return values[at];
+}
+
+// Excess beyond which a frame does not tie: of cameras that do not expose together only frames far worse than most.
+double tie_limit(const std::vector<TieCheck>& checks, double tie_sigma, TieReview& review) {
   std::vector<double> values;
   for (const TieCheck& check : checks) values.push_back(check.excess);
-  const auto quartile = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 4);
-  std::ranges::nth_element(values, quartile);
-  return *quartile;
+  const double best = quantile(values, review.share_kept);
+  review.doubtful = best > tie_sigma;
+  return review.unsynchronised ? 3.0 * quantile(values, 0.5) : std::max(tie_sigma, best);
 }
 
 }  // namespace
 
 bool review_ties(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
-                 std::vector<SetAside>& untied) {
+                 TieReview& review) {
   BundleState tied = with_all_ties(problem, state);
   solve_poses(problem, tied, options.threads);
   const std::vector<TieCheck> checks =
       check_ties(problem, tied.cameras, tied.camera_from_rig, tied.poses, tied.pose_of_view);
   if (checks.empty()) return false;
-  const double limit = std::max(options.tie_sigma, lower_quartile(checks));
-  untied.clear();
+  const double limit = tie_limit(checks, options.tie_sigma, review);
+  review.untied.clear();
   for (const TieCheck& check : checks) {
     if (check.excess <= limit) continue;
     for (std::size_t i = 0; i < check.views.size(); ++i) {
       const int view = check.views[i];
-      untied.push_back({view, SetAside::Scope::kExtrinsics, check.reason});
+      review.untied.push_back({view, SetAside::Scope::kExtrinsics, check.reason});
       const Rigid3& camera_from_rig = tied.camera_from_rig[problem.views[view].camera];
       const Rigid3 own = camera_from_rig.inverse() * check.camera_from_target[i];
       if (i == 0) {

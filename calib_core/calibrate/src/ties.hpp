@@ -9,13 +9,21 @@
 
 namespace raybundle {
 
+/// Which views were left untied, and what that says of the rig.
+struct TieReview {
+  std::vector<SetAside> untied;  ///< views with a board pose of their own, and why
+  bool doubtful = false;         ///< not even share_kept of the frames fit together as well as apart
+  double share_kept = 0.25;      ///< set by the caller: of the frames tie in any case, the best ones
+  bool unsynchronised = false;   ///< set by the caller: the cameras do not expose together, ties are worth little
+};
+
 /// Decides anew, under the cameras as they are, in which frames the cameras saw the board in one place. A view that did
 /// not gets a board pose of its own: it keeps its say about its camera but not about the rig. Views that fit again
 /// are tied again.
 ///
-/// @param untied  replaced: the views with a board pose of their own and why
+/// @param review  `untied` and `doubtful` are replaced
 /// @return        whether a tie changed
 bool review_ties(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
-                 std::vector<SetAside>& untied);
+                 TieReview& review);
 
 }  // namespace raybundle

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "cameras_alone.hpp"
+
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/initialize/camera_start.hpp"
+#include "robust_solve.hpp"
+#include "stopwatch.hpp"
+#include "subproblem.hpp"
+
+namespace raybundle {
+namespace {
+
+CameraStart start_of(const CalibrationProblem& single, std::vector<StageTime>& stages) {
+  const Stopwatch stopwatch(stages, "start");
+  return initialize_camera(single, 0);
+}
+
+void solve_camera_alone(const CalibrationProblem& problem, int camera, const CalibrateOptions& options,
+                        std::vector<StageTime>& stages, CamerasAlone& alone) {
+  const Subproblem single = select_cameras(problem, {camera});
+  const CameraStart start = start_of(single.problem, stages);
+  const Stopwatch stopwatch(stages, "solve");
+  BundleState state = state_from_start(single.problem, start);
+  std::vector<std::string> reasons = start.reasons;
+  solve_robustly(single.problem, state, options);
+  give_second_chance(single.problem, state, reasons);
+  solve_robustly(single.problem, state, options);
+  solve_without_outliers(single.problem, state, options, false, reasons);
+  alone.cameras[camera] = state.cameras[0];
+  for (std::size_t v = 0; v < single.views.size(); ++v) {
+    const int view = single.views[v];
+    alone.reasons[view] = reasons[v];
+    alone.fates[view] = state.fates[v];
+    if (state.pose_of_view[v] >= 0) alone.camera_from_target[view] = state.poses[state.pose_of_view[v]].rig_from_target;
+  }
+}
+
+}  // namespace
+
+CamerasAlone solve_cameras_alone(const CalibrationProblem& problem, const CalibrateOptions& options,
+                                 std::vector<StageTime>& stages) {
+  CamerasAlone alone;
+  alone.cameras.resize(problem.cameras.size());
+  alone.why_not.resize(problem.cameras.size());
+  alone.camera_from_target.resize(problem.views.size());
+  alone.fates.resize(problem.views.size());
+  alone.reasons.resize(problem.views.size());
+  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
+    try {
+      solve_camera_alone(problem, c, options, stages, alone);
+    } catch (const Error& error) {  // one bad camera never costs a rig
+      if (error.kind() != ErrorKind::kNotEnoughData || problem.cameras.size() == 1) throw;
+      alone.why_not[c] = error.what();
+    }
+  }
+  return alone;
+}
+
+}  // namespace raybundle

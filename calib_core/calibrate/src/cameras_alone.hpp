@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "raybundle/bundle/bundle.hpp"
+#include "raybundle/calibrate/calibrate.hpp"
+
+namespace raybundle {
+
+/// What each camera tells by itself, without a word of the others. Vectors are aligned with the problem's cameras and
+/// views.
+struct CamerasAlone {
+  std::vector<std::optional<Camera>> cameras;  ///< empty where the views do not determine one
+  std::vector<std::string> why_not;            ///< for those
+  std::vector<std::optional<Rigid3>> camera_from_target;
+  std::vector<std::vector<ObservationFate>> fates;
+  std::vector<std::string> reasons;  ///< why a view has no pose
+};
+
+/// Calibrates every camera alone: start without a focal guess, robust solve, a second chance for the views that did not
+/// fit, least squares without the outliers. A camera that cannot be calibrated costs only itself.
+///
+/// @param stages  the times of `start` and `solve` are added
+/// @throws Error when the only camera cannot be calibrated
+CamerasAlone solve_cameras_alone(const CalibrationProblem& problem, const CalibrateOptions& options,
+                                 std::vector<StageTime>& stages);
+
+}  // namespace raybundle

@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "joint_solve.hpp"
+
+#include <algorithm>
+
+#include "raybundle/geometry/error.hpp"
+#include "robust_solve.hpp"
+
+namespace raybundle {
+namespace {
+
+constexpr int kMaxTieReviews = 10;
+constexpr double kSmallestShareKept = 0.25;  // of the frames that could tie the cameras
+
+CalibrationProblem with_fixed_intrinsics(const CalibrationProblem& problem) {
+  CalibrationProblem fixed = problem;
+  fixed.rules.push_back({"*.intrinsics", ParameterRule::Kind::kFixed, {}, 0.0});
+  return fixed;
+}
+
+BundleSummary solve_and_review_ties(const CalibrationProblem& problem, BundleState& state,
+                                    const CalibrateOptions& options, TieReview& ties) {
+  BundleOptions bundle;
+  bundle.max_iterations = options.max_iterations;
+  bundle.threads = options.threads;
+  BundleSummary summary;
+  for (int round = 0; round < kMaxTieReviews; ++round) {
+    ties.share_kept = std::max(kSmallestShareKept, 1.0 - kSmallestShareKept * (round + 1));  // the worst frames first
+    const bool changed = review_ties(problem, state, options, ties);
+    if (!changed && ties.share_kept == kSmallestShareKept) break;
+    summary = solve_bundle(problem, state, bundle);
+  }
+  return summary;
+}
+
+// The rig from the frames that tie its cameras. Ties of cameras that do not expose together are worth less than the
+// corners and must not bend the lenses: then the intrinsics stay what each camera alone tells.
+BundleSummary solve_rig(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
+                        TieReview& ties) {
+  const CalibrationProblem rig_only = with_fixed_intrinsics(problem);
+  solve_robustly(rig_only, state, options);
+  const BundleState cameras_alone = state;
+  const BundleSummary summary = solve_and_review_ties(problem, state, options, ties);
+  if (!ties.doubtful) return summary;
+  ties.unsynchronised = true;
+  state = cameras_alone;
+  return solve_and_review_ties(rig_only, state, options, ties);
+}
+
+// Sum of squared whitened residuals of the corners that both states use.
+double chi2_in_common(const CalibrationProblem& problem, const BundleState& state, const BundleState& other,
+                      double& corners) {
+  double chi2 = corners = 0.0;
+  for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
+    if (state.pose_of_view[v] < 0 || other.pose_of_view[v] < 0) continue;
+    const std::vector<Eigen::Vector2d> residuals = view_residuals(problem, state, v);
+    for (std::size_t i = 0; i < residuals.size(); ++i) {
+      const bool both = state.fates[v][i] == ObservationFate::kUsed && other.fates[v][i] == ObservationFate::kUsed;
+      if (!both) continue;
+      const double sigma = problem.views[v].observations[i].sigma_px;
+      chi2 += residuals[i].squaredNorm() / (sigma * sigma);
+      corners += 1.0;
+    }
+  }
+  return chi2;
+}
+
+// A bent board must lower the squared residuals by 2 % (the rms by 1 %) and, as an F-test, by 20 per parameter: far
+// beyond chance (99.9 % of F(3, n) lies below 5.5) because corner errors are not independent.
+bool data_carry_shape(const CalibrationProblem& problem, const BundleState& flat, const BundleState& bent) {
+  double corners = 0.0;
+  const double chi2_flat = chi2_in_common(problem, flat, bent, corners);
+  const double chi2_bent = chi2_in_common(problem, bent, flat, corners);
+  const double gain = chi2_flat - chi2_bent;
+  const double parameters = 3.0 * static_cast<double>(problem.targets.size());
+  return gain > 0.02 * chi2_flat && gain / parameters > 20.0 * chi2_bent / (2.0 * corners);
+}
+
+}  // namespace
+
+JointSolve solve_jointly(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
+                         std::vector<std::string>& reasons) {
+  JointSolve solve;
+  if (problem.cameras.size() > 1) solve.summary = solve_rig(problem, state, options, solve.ties);
+  if (!solve.ties.unsynchronised) {
+    give_second_chance(problem, state, reasons);
+    solve.summary = solve_without_outliers(problem, state, options, false, reasons);
+    const bool flat_board = std::ranges::any_of(problem.targets, &Target::flat);
+    if (options.estimate_shape && flat_board && solve.summary.termination != Termination::kFailed) {
+      BundleState bent = state;
+      std::vector<std::string> bent_reasons = reasons;
+      const BundleSummary summary = solve_without_outliers(problem, bent, options, true, bent_reasons);
+      if (summary.termination != Termination::kFailed && data_carry_shape(problem, state, bent)) {
+        solve.summary = summary;
+        solve.shape_estimated = true;
+        state = bent;
+        reasons = bent_reasons;
+      }
+    }
+  }
+  if (solve.summary.termination == Termination::kFailed) {
+    throw Error(ErrorKind::kSolveFailed, "the bundle adjustment broke down: " + solve.summary.message);
+  }
+  return solve;
+}
+
+}  // namespace raybundle

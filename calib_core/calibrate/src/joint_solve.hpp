@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "raybundle/bundle/bundle.hpp"
+#include "raybundle/calibrate/calibrate.hpp"
+#include "ties.hpp"
+
+namespace raybundle {
+
+struct JointSolve {
+  BundleSummary summary;
+  TieReview ties;
+  bool shape_estimated = false;
+};
+
+/// One bundle for everything: which frames tie the cameras, which corners are outliers, and whether the boards are bent
+/// are settled along with the solve.
+///
+/// @param state    cameras as they are alone, rig and boards as they start; solved in place
+/// @param reasons  aligned with problem.views; why a view is set aside
+/// @throws Error(kSolveFailed)
+JointSolve solve_jointly(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
+                         std::vector<std::string>& reasons);
+
+}  // namespace raybundle
