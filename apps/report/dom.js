@@ -87,6 +87,6 @@ function imageAddress(path) {
   return whole.split("/").map(encodeURIComponent).join("/");
 }
 
-function imageLink(path) {
-  return path ? el("a", { href: imageAddress(path) }, path) : "";
+function imageLink(path, text = path) {
+  return path ? el("a", { href: imageAddress(path), title: path }, text) : "";
 }

@@ -22,10 +22,14 @@ function sceneOf(report) {
   const cameras = report.cameras.filter((camera) => camera.camera_from_rig);
   const boards = report.poses.map((pose) => ({ pose, outline: outlineOf(pose, report) }));
   const centres = boards.map(({ outline }) => outline[0].map((value, i) => (value + outline[2][i]) / 2));
-  const points = [...centres, ...cameras.map((camera) => inverse(camera.camera_from_rig).translation_m)];
-  const middle = [0, 1, 2].map((i) => quantile(points.map((p) => p[i]).sort((a, b) => a - b), 0.5));
-  const far = points.map((p) => Math.hypot(p[0] - middle[0], p[1] - middle[1], p[2] - middle[2])).sort((a, b) => a - b);
-  const radius = 1.25 * quantile(far, 0.95) || 1;
+  const places = cameras.map((camera) => inverse(camera.camera_from_rig).translation_m);
+  const middle = [0, 1, 2].map((i) => {
+    const sorted = centres.map((p) => p[i]).sort((a, b) => a - b), held = [quantile(sorted, 0.05), quantile(sorted, 0.95)];
+    const all = [...held, ...places.map((p) => p[i])];
+    return (Math.min(...all) + Math.max(...all)) / 2;
+  });
+  const far = (points) => points.map((p) => Math.hypot(...p.map((value, i) => value - middle[i]))).sort((a, b) => a - b);
+  const radius = 1.15 * Math.max(quantile(far(centres), 0.9), ...far(places)) || 1;
   return { boards, middle, radius, cameras: cameras.map((camera) => ({ name: camera.name, lines: pyramidOf(camera, 0.12 * radius) })) };
 }
 

@@ -84,7 +84,7 @@ function viewsPanel(camera) {
       el("button", { class: "link", onclick: () => choose(entry) }, entry.name),
       entry.view.pose < 0 ? "set aside" : px(entry.view.rms_px),
       count(entry.used.length) + " / " + count(entry.corners.length),
-      imageLink(entry.view.image),
+      imageLink(entry.view.image, entry.view.image.split("/").pop()),
     ]);
     const node = table([["frame", ""], ["rms px", "number"], ["used / seen", "number"], ["image", "path"]], rows, `Views of ${camera.name}, worst first`);
     rowOf.clear();
