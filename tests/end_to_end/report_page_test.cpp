@@ -72,8 +72,8 @@ TEST(ReportPage, IsOneFileThatAsksForNothing) {
 class ReportPageInBrowser : public ::testing::Test {
  protected:
   void SetUp() override {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+    fs::remove_all(folder);
+    fs::create_directories(folder);
   }
 
   // Runs the browser on the page; what it prints goes to dom.html.
@@ -82,29 +82,29 @@ class ReportPageInBrowser : public ::testing::Test {
         fmt::format("cd '{0}' && timeout 120 {1} --headless --no-sandbox --disable-gpu --hide-scrollbars "
                     "--user-data-dir='{0}/profile' --virtual-time-budget=5000 {2} 'file://{0}/report.html' "
                     ">dom.html 2>browser.log",
-                    folder_.string(), browser(), flags)
+                    folder.string(), browser(), flags)
             .c_str());
   }
 
-  const fs::path folder_ = RAYBUNDLE_BINARY_DIR "/report_page_test";
+  const fs::path folder = RAYBUNDLE_BINARY_DIR "/report_page_test";
 };
 
 // Does not look at what is drawn, only that all sections stand and that the drawings leave ink on the page.
 TEST_F(ReportPageInBrowser, ShowsEverySection) {
   if (browser().empty()) GTEST_SKIP() << "there is no chromium: install it to open the report in a real browser";
   const Example made = example();
-  write_file_whole(folder_ / "report.html", apps::report_page(text_from_report(made.problem, made.result, made.extra)));
+  write_file_whole(folder / "report.html", apps::report_page(text_from_report(made.problem, made.result, made.extra)));
 
-  ASSERT_EQ(open_page("--dump-dom"), 0) << text_of(folder_ / "browser.log");
-  const std::string dom = text_of(folder_ / "dom.html");
+  ASSERT_EQ(open_page("--dump-dom"), 0) << text_of(folder / "browser.log");
+  const std::string dom = text_of(folder / "dom.html");
   EXPECT_THAT(dom, HasSubstr("data-drawn=\"yes\""));
   EXPECT_THAT(dom, HasSubstr(fmt::format("<dd>{:.3f} ", made.result.rms_px)));
   for (const char* heading : {"Camera camera0", "Camera camera1", "The rig", "Images without a view (1)"}) {
     EXPECT_THAT(dom, HasSubstr(std::string(">") + heading + "</h")) << heading;
   }
 
-  ASSERT_EQ(open_page("--window-size=1000,2500 --screenshot=page.png"), 0) << text_of(folder_ / "browser.log");
-  const cv::Mat picture = cv::imread((folder_ / "page.png").string(), cv::IMREAD_GRAYSCALE);
+  ASSERT_EQ(open_page("--window-size=1000,2500 --screenshot=page.png"), 0) << text_of(folder / "browser.log");
+  const cv::Mat picture = cv::imread((folder / "page.png").string(), cv::IMREAD_GRAYSCALE);
   ASSERT_EQ(picture.size(), cv::Size(1000, 2500));
   // Ink within the first figures; a page without drawings has text on less than a tenth of that.
   const cv::Mat figures = picture(cv::Rect(0, 900, 1000, 1500));
