@@ -9,6 +9,7 @@
 
 #include "lattice.hpp"
 #include "lattice_place.hpp"
+#include "lattice_size.hpp"
 
 namespace raybundle {
 namespace {
@@ -71,26 +72,34 @@ cv::Mat eight_bit(const cv::Mat& gray) {
   return scaled;
 }
 
-std::vector<Observation> detect_chessboard(const cv::Mat& gray, const Chessboard& board) {
+Detection detect_chessboard(const cv::Mat& gray, const Chessboard& board) {
   constexpr int kTooSmall_px = 16;
   if (std::min(gray.cols, gray.rows) < kTooSmall_px) return {};
   const std::vector<cv::Mat> levels = pyramid_of(eight_bit(gray));
   const std::size_t all = static_cast<std::size_t>(board.columns) * static_cast<std::size_t>(board.rows);
   const int longest = std::max(board.columns, board.rows) + 2;
-  std::vector<Observation> best;
+  Detection best;
+  Lattice unplaced;  // the largest lattice that did not fit
   for (const int level : search_order(levels)) {
     cv::Mat blurred;
     cv::GaussianBlur(levels[level], blurred, {5, 5}, 1.0);
     std::vector<Lattice> lattices = linked_lattices(saddle_candidates(blurred), blurred);
     if (lattices.size() > 3) lattices.resize(3);
     for (const Lattice& seed : lattices) {
-      if (4 * seed.size() < lattices.front().size() || seed.size() <= best.size() / 2) break;  // largest first
+      if (4 * seed.size() < lattices.front().size()) break;  // largest first
+      if (seed.size() <= best.observations.size() / 2) break;
       Lattice lattice = grown(levels, level, seed, longest);
       trim_lattice(lattice, board);
-      const auto placed = placed_on_board(lattice, closed_sides(levels[0], lattice), board);
-      if (placed && placed->size() > best.size()) best = *placed;
-      if (best.size() == all) return best;
+      Detection placed = detection_on_lattice(lattice, closed_sides(levels[0], lattice), board);
+      if (placed.observations.empty() && lattice.size() > unplaced.size()) unplaced = lattice;
+      if (placed.observations.size() > best.observations.size()) best = std::move(placed);
+      if (best.observations.size() == all) return best;
     }
+  }
+  if (best.observations.empty() && !unplaced.empty()) {
+    constexpr int kAnySize = 60;
+    grow_lattice(levels[0], unplaced, kAnySize);
+    best.hint = size_hint(unplaced, closed_sides(levels[0], unplaced), board);
   }
   return best;
 }

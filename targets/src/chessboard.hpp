@@ -7,6 +7,7 @@
 
 #include "raybundle/scene/observation.hpp"
 #include "raybundle/targets/board.hpp"
+#include "raybundle/targets/detect.hpp"
 
 namespace raybundle {
 
@@ -20,9 +21,12 @@ cv::Mat eight_bit(const cv::Mat& gray);
 /// candidates that lies furthest to the top left of the image. Hand in the complement of the image of an inverted
 /// board.
 ///
+/// A board that shows one column or one row more than asked for, or both, gives the asked part of it next to its own
+/// corner 0, with a hint. Any other size gives nothing, and a hint when the lattice seen is clean.
+///
 /// @param gray  8-bit or 16-bit single channel
-/// @return      sorted by id; empty when there is no board or its place on the lattice is ambiguous
-std::vector<Observation> detect_chessboard(const cv::Mat& gray, const Chessboard& board);
+/// @return      no observations when there is no board or its place on the lattice is ambiguous
+Detection detect_chessboard(const cv::Mat& gray, const Chessboard& board);
 
 /// Refines chessboard corners near their predicted pixels; the window follows the distance to predicted neighbours.
 /// Accepts a corner only when a saddle of the expected orientation and polarity lies within a fraction of a square.

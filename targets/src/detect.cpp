@@ -17,7 +17,7 @@ namespace {
 struct Detect {
   const cv::Mat& gray;
 
-  Detection operator()(const Chessboard& board) const { return {detect_chessboard(gray, board), {}}; }
+  Detection operator()(const Chessboard& board) const { return detect_chessboard(gray, board); }
   Detection operator()(const Charuco& board) const { return detect_charuco(gray, board); }
   Detection operator()(const AprilGrid& board) const { return detect_april_grid(gray, board); }
   Detection operator()(const Circles& board) const { return detect_circles(gray, board); }

@@ -19,6 +19,14 @@ using LatticePlace = std::pair<int, int>;
 /// Where column + row is even, the square towards larger column and row is bright; where it is odd, dark.
 using Lattice = std::map<LatticePlace, Saddle>;
 
+/// First and last column and row that hold a corner.
+struct LatticeExtent {
+  int low_x = 0, high_x = -1, low_y = 0, high_y = -1;
+  int width() const { return high_x - low_x + 1; }
+  int height() const { return high_y - low_y + 1; }
+};
+LatticeExtent extent_of(const Lattice& lattice);
+
 /// The lattices that candidates form when neighbours see each other along an edge; largest first.
 ///
 /// @param blurred  the image in which the candidates were found

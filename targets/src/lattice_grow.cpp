@@ -105,22 +105,6 @@ double typical_contrast(const Lattice& lattice, LatticePlace place) {
   return contrasts[contrasts.size() / 2];
 }
 
-struct Extent {
-  int low_x, high_x, low_y, high_y;
-};
-
-Extent extent_of(const Lattice& lattice) {
-  Extent extent{lattice.begin()->first.first, lattice.begin()->first.first, lattice.begin()->first.second,
-                lattice.begin()->first.second};
-  for (const auto& [place, saddle] : lattice) {
-    extent.low_x = std::min(extent.low_x, place.first);
-    extent.high_x = std::max(extent.high_x, place.first);
-    extent.low_y = std::min(extent.low_y, place.second);
-    extent.high_y = std::max(extent.high_y, place.second);
-  }
-  return extent;
-}
-
 /// Refines every corner against the present lattice and drops the ones that fail.
 void refine_all(const cv::Mat& gray, Lattice& lattice, double longest_half) {
   Lattice refined;
@@ -257,7 +241,7 @@ void grow_lattice(const cv::Mat& gray, Lattice& lattice, int longest) {
     }
     std::size_t added = 0;
     for (const LatticePlace& place : open) {
-      const Extent extent = extent_of(lattice);
+      const LatticeExtent extent = extent_of(lattice);
       const int width = std::max(extent.high_x, place.first) - std::min(extent.low_x, place.first) + 1;
       const int height = std::max(extent.high_y, place.second) - std::min(extent.low_y, place.second) + 1;
       if (width > longest || height > longest) continue;

@@ -101,6 +101,19 @@ Lattice walked(const std::vector<SaddleCandidate>& candidates, const Links& link
 
 }  // namespace
 
+LatticeExtent extent_of(const Lattice& lattice) {
+  if (lattice.empty()) return {};
+  const auto [x, y] = lattice.begin()->first;
+  LatticeExtent extent{x, x, y, y};
+  for (const auto& [place, saddle] : lattice) {
+    extent.low_x = std::min(extent.low_x, place.first);
+    extent.high_x = std::max(extent.high_x, place.first);
+    extent.low_y = std::min(extent.low_y, place.second);
+    extent.high_y = std::max(extent.high_y, place.second);
+  }
+  return extent;
+}
+
 bool edge_between(const cv::Mat& image, const Eigen::Vector2f& from, const Eigen::Vector2f& to, bool bright_clockwise,
                   float least_contrast) {
   const Eigen::Vector2f along = to - from;

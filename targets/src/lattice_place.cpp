@@ -9,23 +9,6 @@
 namespace raybundle {
 namespace {
 
-struct Extent {
-  int low_x = 0, high_x = 0, low_y = 0, high_y = 0;
-  int width() const { return high_x - low_x + 1; }
-  int height() const { return high_y - low_y + 1; }
-};
-
-Extent extent_of(const Lattice& lattice) {
-  Extent extent{1 << 20, -(1 << 20), 1 << 20, -(1 << 20)};
-  for (const auto& [place, saddle] : lattice) {
-    extent.low_x = std::min(extent.low_x, place.first);
-    extent.high_x = std::max(extent.high_x, place.first);
-    extent.low_y = std::min(extent.low_y, place.second);
-    extent.high_y = std::max(extent.high_y, place.second);
-  }
-  return extent;
-}
-
 std::optional<double> grey_at(const cv::Mat& gray, const Eigen::Vector2d& pixel) {
   const int x = static_cast<int>(std::lround(pixel.x()));
   const int y = static_cast<int>(std::lround(pixel.y()));
@@ -102,7 +85,8 @@ bool starts_dark(const Placement& placement) {
   return placement.quarters % 2 == 0 ? !even : even;
 }
 
-std::vector<Placement> placements_of(const Extent& extent, const LatticeBorders& closed, const Chessboard& board) {
+std::vector<Placement> placements_of(const LatticeExtent& extent, const LatticeBorders& closed,
+                                     const Chessboard& board) {
   std::vector<Placement> fitting;
   for (int quarters = 0; quarters < 4; ++quarters) {
     const Placement turned{quarters, 0, 0};
@@ -187,7 +171,7 @@ bool same_but_turned(const Placement& a, const Placement& b, const Chessboard& b
 LatticeBorders closed_sides(const cv::Mat& gray, const Lattice& lattice) {
   LatticeBorders closed;
   if (lattice.empty()) return closed;
-  const Extent extent = extent_of(lattice);
+  const LatticeExtent extent = extent_of(lattice);
   std::vector<LatticePlace> left, right, top, bottom;
   for (int y = extent.low_y; y < extent.high_y; ++y) {
     left.push_back({extent.low_x, y});
@@ -225,7 +209,7 @@ std::optional<std::vector<Observation>> placed_on_board(const Lattice& lattice, 
 void trim_lattice(Lattice& lattice, const Chessboard& board) {
   constexpr double kSparse = 0.3;  // of a full line: what may be cut as not of the board
   while (!lattice.empty()) {
-    const Extent extent = extent_of(lattice);
+    const LatticeExtent extent = extent_of(lattice);
     const auto [low, high] = std::minmax({extent.width(), extent.height()});
     const auto [board_low, board_high] = std::minmax({board.columns, board.rows});
     if (low <= board_low && high <= board_high) return;

@@ -67,7 +67,7 @@ Errors errors_over_poses(const RenderOptions& options, bool from_prediction = fa
     const cv::Mat image = render_board(camera, pose, chessboard_print(9, 6, 0.025), seeded);
     const auto truth = chessboard_truth(camera, pose, 9, 6, 0.025);
     if (!from_prediction) {
-      errors.add(detect_chessboard(image, kBoard), truth);
+      errors.add(detect_chessboard(image, kBoard).observations, truth);
       continue;
     }
     std::vector<Observation> predicted;
@@ -129,13 +129,45 @@ TEST(ChessboardRender, PartialBoardIsPlacedByItsMarginOrNotAtAll) {
   const cv::Mat image = render_board(camera, pose, chessboard_print(9, 6, 0.025));
   const auto truth = chessboard_truth(camera, pose, 9, 6, 0.025);
   const int cut = static_cast<int>(truth[5 + 2 * 9]->x()) + 12;
-  const std::vector<Observation> found = detect_chessboard(image.colRange(0, cut).clone(), kBoard);
+  const std::vector<Observation> found = detect_chessboard(image.colRange(0, cut).clone(), kBoard).observations;
   EXPECT_GE(found.size(), 25U);
   for (const Observation& seen : found) EXPECT_LT((seen.pixel - *truth[seen.point_id]).norm(), 0.2) << seen.point_id;
 
   const int first = static_cast<int>(truth[1 + 2 * 9]->x());
   const cv::Mat middle = image(cv::Rect(first, 0, cut - first, image.rows)).clone();  // both margins are out of sight
-  EXPECT_TRUE(detect_chessboard(middle, kBoard).empty());
+  EXPECT_TRUE(detect_chessboard(middle, kBoard).observations.empty());
+}
+
+/// A view of a larger print, asked for as kBoard.
+Detection seen_as_board(int columns, int rows, double turn_rad) {
+  const Rigid3 pose = board_pose(0.1, 0.4, 0.2, turn_rad, 0.35);
+  return detect_chessboard(render_board(fisheye(), pose, chessboard_print(columns, rows, 0.025)), kBoard);
+}
+
+// A person who counted one ring too few gets the same part of the board in every view, turned as it may be, and is
+// told.
+TEST(ChessboardRender, BoardOfOneColumnAndRowMoreGivesThePartNextToItsCornerZero) {
+  for (const double turn : {0.1, 1.7, 3.2, 4.8}) {
+    const Detection seen = seen_as_board(10, 7, turn);
+    const auto truth = chessboard_truth(fisheye(), board_pose(0.1, 0.4, 0.2, turn, 0.35), 10, 7, 0.025);
+    EXPECT_EQ(seen.observations.size(), 54U) << turn;
+    for (const Observation& corner : seen.observations) {
+      const int id = corner.point_id / 9 * 10 + corner.point_id % 9;
+      EXPECT_LT((corner.pixel - *truth[id]).norm(), 0.2) << corner.point_id << " at turn " << turn;
+    }
+    EXPECT_EQ(seen.hint,
+              "the board shows 10x7 inner corners, 9x6 were asked for: using the 9x6 of them next to corner 0; "
+              "chessboard:10x7 would use all");
+  }
+}
+
+TEST(ChessboardRender, BoardOfAnotherSizeIsNamedAndNotUsed) {
+  const Detection smaller = seen_as_board(7, 5, 0.1);
+  EXPECT_TRUE(smaller.observations.empty());
+  EXPECT_EQ(smaller.hint, "a chessboard of 7x5 inner corners is in the image, not 9x6");
+  const Detection larger = seen_as_board(13, 8, 0.1);
+  EXPECT_TRUE(larger.observations.empty());
+  EXPECT_EQ(larger.hint, "a chessboard of 13x8 inner corners is in the image, not 9x6");
 }
 
 TEST(ChessboardRender, SixteenBitImagesAreReadAsWell) {
@@ -143,16 +175,17 @@ TEST(ChessboardRender, SixteenBitImagesAreReadAsWell) {
   const Rigid3 pose = board_pose(0.2, 0, 0.3, 0.1, 0.28);
   cv::Mat deep;
   render_board(camera, pose, chessboard_print(9, 6, 0.025)).convertTo(deep, CV_16U, 16);  // 12 bits in use
-  EXPECT_EQ(detect_chessboard(deep, kBoard).size(), 54U);
+  EXPECT_EQ(detect_chessboard(deep, kBoard).observations.size(), 54U);
 }
 
 TEST(ChessboardRender, ImageWithoutBoardGivesNothing) {
   cv::Mat noise(480, 640, CV_8U);
   std::mt19937 random(5);
   for (int i = 0; i < 480 * 640; ++i) noise.data[i] = static_cast<uchar>(random() % 256);
-  EXPECT_TRUE(detect_chessboard(noise, kBoard).empty());
-  EXPECT_TRUE(detect_chessboard(cv::Mat(), kBoard).empty());
-  EXPECT_TRUE(detect_chessboard(cv::Mat(480, 640, CV_8U, cv::Scalar(128)), kBoard).empty());
+  EXPECT_TRUE(detect_chessboard(noise, kBoard).observations.empty());
+  EXPECT_EQ(detect_chessboard(noise, kBoard).hint, "");
+  EXPECT_TRUE(detect_chessboard(cv::Mat(), kBoard).observations.empty());
+  EXPECT_TRUE(detect_chessboard(cv::Mat(480, 640, CV_8U, cv::Scalar(128)), kBoard).observations.empty());
 }
 
 }  // namespace
