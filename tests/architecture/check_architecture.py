@@ -42,7 +42,6 @@ LIBRARIES = {
     "nlohmann-json": (r"nlohmann/", ["io", "targets"], False),
     "toml++": (r"toml\+\+/|toml\.hpp", ["io", "targets", "synthetic"], True),
     "yaml-cpp": (r"yaml-cpp/", ["io"], False),
-    "spdlog": (r"spdlog/", [], False),
     "CLI11": (r"CLI/", [], False),
     "GoogleTest": (r"gtest/|gmock/", [], False),
 }

@@ -18,11 +18,12 @@ namespace raybundle {
 /// Domain: where ζ > -w1 d2 and the first sphere is seen from its outside, d1 + xi z > 0. Deviation: the paper's bound
 /// z > -w2 d1 is another one unless xi = 0 or w1 = 1, sometimes stricter and sometimes beyond the fold; here is the
 /// exact one.
-/// The start shape is the stereographic lens, radius 2 tan(θ/2).
+/// The start shape is close to an equidistant lens. Not xi = 0: there the model is the unified one, xi moves no pixel
+/// that focal length and alpha together could not, and a solve that starts there stays there.
 struct DoubleSphere {
   static constexpr std::string_view kName = "double_sphere";
   static constexpr std::array<std::string_view, 2> kShapeNames{"xi", "alpha"};
-  static constexpr std::array<double, 2> kStartShape{0.0, 0.5};
+  static constexpr std::array<double, 2> kStartShape{-0.2, 0.6};
   static constexpr std::array kExamples{ExampleShape<2>{{-0.2, 0.6}, 1.9}, ExampleShape<2>{{0.3, 0.55}, 2.2},
                                         ExampleShape<2>{{-0.1, 0.3}, 1.5}, ExampleShape<2>{{0.05, -0.2}, 1.0}};
   static constexpr std::array kForeignNames{ForeignName{"kalibr", "ds-none"}, ForeignName{"basalt", "ds"}};
