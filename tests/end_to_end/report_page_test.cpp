@@ -27,8 +27,8 @@ using ::testing::Not;
 
 // Chromium's name on this machine; empty when there is none.
 std::string browser() {
-  for (const std::string name : {"chromium", "chromium-browser", "google-chrome"}) {
-    if (std::system(("command -v " + name + " >/dev/null").c_str()) == 0) return name;
+  for (const char* name : {"chromium", "chromium-browser", "google-chrome"}) {
+    if (std::system(fmt::format("command -v {} >/dev/null", name).c_str()) == 0) return name;
   }
   return {};
 }

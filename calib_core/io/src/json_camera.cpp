@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "json_camera.hpp"
 
+#include <fmt/format.h>
+
 #include <string>
 
 namespace raybundle {
@@ -34,9 +36,9 @@ void add_estimates(const RigCamera& camera, const Covariance& covariance, Ordere
 
 OrderedJson json_from_shape_sigmas(const Covariance& covariance, const std::string& target) {
   OrderedJson sigmas = OrderedJson::object();
-  for (const std::string name : {"bend_x", "bend_y", "twist"}) {
-    const double sigma = covariance.sigma(target + "." + name);
-    if (sigma > 0) sigmas[name + "_m"] = sigma;
+  for (const char* name : {"bend_x", "bend_y", "twist"}) {
+    const double sigma = covariance.sigma(fmt::format("{}.{}", target, name));
+    if (sigma > 0) sigmas[fmt::format("{}_m", name)] = sigma;
   }
   return sigmas;
 }
