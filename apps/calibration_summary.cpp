@@ -17,20 +17,25 @@ constexpr std::size_t kMostLines = 8;  // of one kind; report.json has them all
 
 double degrees(double radians) { return radians * 180.0 / M_PI; }
 
-// Full angle between the rays of opposite image borders; 0 when the model does not reach them.
-double field_deg(const Camera& camera, const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
-  const std::optional<Eigen::Vector3d> a = ray_from_pixel(camera, from), b = ray_from_pixel(camera, to);
-  if (!a || !b) return 0.0;
-  const auto angle = [](const Eigen::Vector3d& ray) { return std::atan2(ray.head<2>().norm(), ray.z()); };
-  return degrees(angle(*a) + angle(*b));
+// Angle off the axis of the last ray between the principal point and a point of the image border.
+double reach_rad(const Camera& camera, const Eigen::Vector2d& border) {
+  const Eigen::Vector2d centre(camera.cx(), camera.cy());
+  const auto angle_at = [&](double way) -> std::optional<double> {
+    const std::optional<Eigen::Vector3d> ray = ray_from_pixel(camera, centre + way * (border - centre));
+    if (!ray) return std::nullopt;
+    return std::atan2(ray->head<2>().norm(), ray->z());
+  };
+  if (const std::optional<double> angle = angle_at(1.0)) return *angle;
+  double inside = 0.0, outside = 1.0;  // of the model's domain: the image circle of a fisheye ends within the image
+  for (int i = 0; i < 30; ++i) (angle_at(0.5 * (inside + outside)) ? inside : outside) = 0.5 * (inside + outside);
+  return angle_at(inside).value_or(0.0);
 }
 
 std::string field_text(const Camera& camera) {
   const double width = camera.size.width - 1, height = camera.size.height - 1;
-  const double across = field_deg(camera, {0, camera.cy()}, {width, camera.cy()});
-  const double down = field_deg(camera, {camera.cx(), 0}, {camera.cx(), height});
-  const auto text = [](double field) { return field > 0 ? fmt::format("{:.0f}°", field) : std::string("?"); };
-  return text(across) + " x " + text(down);
+  const double across = reach_rad(camera, {0, camera.cy()}) + reach_rad(camera, {width, camera.cy()});
+  const double down = reach_rad(camera, {camera.cx(), 0}) + reach_rad(camera, {camera.cx(), height});
+  return fmt::format("{:.0f}° x {:.0f}°", degrees(across), degrees(down));
 }
 
 std::string camera_table(const CalibrationProblem& problem, const CalibrationResult& result) {

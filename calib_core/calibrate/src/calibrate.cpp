@@ -6,6 +6,7 @@
 
 #include "cameras_alone.hpp"
 #include "joint_solve.hpp"
+#include "raybundle/camera/injectivity.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/initialize/rig_start.hpp"
 #include "raybundle/uncertainty/covariance.hpp"
@@ -46,9 +47,39 @@ void fill_covariance(const CalibrationProblem& problem, const BundleState& state
   result.variance_factor = known.variance_factor;
   if (known.weak_parameters.empty()) return;
   std::string weak;
-  for (const std::string& name : known.weak_parameters) weak += (weak.empty() ? "" : ", ") + name;
+  bool extrinsic = false;
+  for (const std::string& name : known.weak_parameters) {
+    weak += (weak.empty() ? "" : ", ") + name;
+    extrinsic = extrinsic || name.find(".camera_from_rig.") != std::string::npos;
+  }
+  if (known.unseen && extrinsic) {
+    throw Error(ErrorKind::kNotEnoughData, "the views do not determine " + weak +
+                                               "; add frames in which all cameras see the board, at several tilts");
+  }
   result.warnings.push_back("the views hardly tell these parameters apart: " + weak +
-                            "; add views with the board tilted, near and far, and in the corners of the image");
+                            "; pixels may still be predicted well. Add views with the board tilted, near and far, and "
+                            "in the corners of the image, or choose a model with fewer parameters");
+}
+
+// A lens that folds beyond the corners is an ordinary fisheye with its image circle; one that folds among them is
+// wrong.
+void warn_of_folds(const CalibrationProblem& problem, const BundleState& state, CalibrationResult& result) {
+  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
+    const Camera& camera = state.cameras[c];
+    double farthest_px = 0.0;
+    for (std::size_t v = 0; v < problem.views.size(); ++v) {
+      if (problem.views[v].camera != c || state.pose_of_view[v] < 0) continue;
+      for (std::size_t i = 0; i < state.fates[v].size(); ++i) {
+        if (state.fates[v][i] != ObservationFate::kUsed) continue;
+        const Eigen::Vector2d offset =
+            problem.views[v].observations[i].pixel - Eigen::Vector2d(camera.cx(), camera.cy());
+        farthest_px = std::max(farthest_px, offset.norm());
+      }
+    }
+    const InjectivityReport report = check_injectivity(camera);
+    if (report.one_to_one() || report.first_offender_radius_px > farthest_px) continue;
+    result.warnings.push_back("camera " + problem.cameras[c].name + ": " + *injectivity_warning(report));
+  }
 }
 
 void name_views_set_aside(const BundleState& state, const std::vector<std::string>& reasons,
@@ -125,6 +156,7 @@ CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOp
   }
 
   fill_result(sub.problem, state, result);
+  warn_of_folds(sub.problem, state, result);
   result.set_aside = solve.ties.untied;
   name_views_set_aside(state, reasons, result);
   result.termination = solve.summary.termination;

@@ -7,8 +7,6 @@
 #include <limits>
 #include <numeric>
 
-#include "raybundle/geometry/error.hpp"
-
 namespace raybundle {
 namespace {
 
@@ -31,12 +29,6 @@ std::vector<std::string> parameters_of(const std::vector<std::string>& names, co
   return strongest;
 }
 
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 }  // namespace
 
 CovarianceResult covariance(const ReducedInformation& information) {
@@ -53,15 +45,13 @@ CovarianceResult covariance(const ReducedInformation& information) {
       (diagonal.array() > 0.0).select(diagonal.array().max(std::numeric_limits<double>::min()).rsqrt(), 1.0);
   const Eigen::MatrixXd scaled = scale.asDiagonal() * information.information * scale.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
-  const Eigen::VectorXd& values = eigen.eigenvalues();  // ascending
-  const std::vector<std::string> weakest = parameters_of(information.names, eigen.eigenvectors().col(0));
-  if (values[0] <= kUnseen * static_cast<double>(size)) {
-    throw Error(ErrorKind::kNotEnoughData, "the views do not determine " + joined(weakest) +
-                                               "; add views with the board tilted and all over the image, or fix a "
-                                               "parameter or give it a prior");
-  }
+  const double smallest = kUnseen * static_cast<double>(size);
+  result.unseen = eigen.eigenvalues()[0] <= smallest;
+  const Eigen::VectorXd values = eigen.eigenvalues().cwiseMax(smallest);  // ascending
   result.condition_number = values[size - 1] / values[0];
-  if (result.condition_number > kIllConditioned) result.weak_parameters = weakest;
+  if (result.condition_number > kIllConditioned) {
+    result.weak_parameters = parameters_of(information.names, eigen.eigenvectors().col(0));
+  }
   const Eigen::MatrixXd half =
       scale.asDiagonal() * eigen.eigenvectors() * values.cwiseInverse().cwiseSqrt().asDiagonal();
   result.covariance.matrix = result.variance_factor * half * half.transpose();

@@ -13,11 +13,11 @@ struct CovarianceResult {
   double condition_number = 1.0;  ///< of the information, columns scaled to unit diagonal
   std::vector<std::string>
       weak_parameters;  ///< that make up the weakest direction, strongest first; empty when well conditioned
+  bool unseen = false;  ///< the data does not see the weakest direction at all; its variance is a lower bound
 };
 
-/// Inverse of the reduced information, by the eigenvalues of its column-scaled form.
-///
-/// @throws Error(kNotEnoughData) naming the parameters of a direction that the data does not see at all
+/// Inverse of the reduced information, by the eigenvalues of its column-scaled form. A direction that the data does not
+/// see gets the largest variance that the arithmetic can tell from infinity.
 CovarianceResult covariance(const ReducedInformation& information);
 
 }  // namespace raybundle
