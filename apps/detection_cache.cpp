@@ -15,7 +15,7 @@
 namespace raybundle::apps {
 namespace {
 
-constexpr int kDetectorVersion = 2;  // raise it with every change of what a detector returns
+constexpr int kDetectorVersion = 3;  // raise it with every change of what a detector returns
 
 using Json = nlohmann::json;
 

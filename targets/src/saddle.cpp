@@ -81,8 +81,13 @@ Saddle saddle_of(const SaddleFit& fit, const Eigen::Vector2d& start, std::size_t
   const double variance_grey = mean_square / spare + 1.0 / 12;  // never below the rounding to whole grey values
   const SaddleMatrix inverse = fit.information.ldlt().solve(SaddleMatrix::Identity());
   const SaddleMatrix covariance = inverse * fit.scatter * inverse;
-  constexpr double kFloor_px = 0.015;  // pixel grid, curved edges: what remains without noise
-  saddle.sigma_px = std::sqrt(variance_grey * 0.5 * (covariance(kX, kX) + covariance(kY, kY)) + kFloor_px * kFloor_px);
+  // What the fit's own residuals do not show: the pixel grid, and the print and a blur that is not as Gaussian as the
+  // model's. On real boards corners scatter about their neighbours by .04 of the blur, whether it is .4 or 1.4 px.
+  constexpr double kFloor_px = 0.015;
+  constexpr double kFloor_per_blur = 0.04;
+  const double unseen_px = std::hypot(kFloor_px, kFloor_per_blur * saddle.blur_px);
+  const double seen_px = std::sqrt(variance_grey * 0.5 * (covariance(kX, kX) + covariance(kY, kY)));
+  saddle.sigma_px = std::hypot(seen_px, unseen_px);
   return saddle;
 }
 

@@ -87,13 +87,14 @@ TEST(ChessboardRender, CleanFisheyeBoardsAreFoundToThreeHundredthsOfAPixel) {
   EXPECT_LT(errors.worst, 0.15);
 }
 
-// sigma is what it says: the normalised error is 1 within a factor of 1.5 (rims, where squares are 3 px, included).
+// sigma is what it says: the normalised error is 1 within a factor of 1.5 (rims, where squares are 3 px, included). It
+// may be smaller, down to .5: sigma counts in what prints and lenses add on real boards, and renders have none of it.
 TEST(ChessboardRender, SigmaMatchesTheErrorsUnderNoise) {
   for (const double noise : {4.0, 8.0}) {
     const Errors errors = errors_over_poses({.blur_px = 0.8, .noise_grey = noise});
     EXPECT_EQ(errors.missing, 0) << "noise " << noise;
     const double ratio = std::sqrt(errors.normalised / errors.found);
-    EXPECT_GT(ratio, 0.67) << "noise " << noise;
+    EXPECT_GT(ratio, 0.5) << "noise " << noise;
     EXPECT_LT(ratio, 1.5) << "noise " << noise;
   }
 }
