@@ -59,12 +59,16 @@ void require_models(const DetectedImages& images) {
   }
 }
 
-void require_views(const DetectedImages& images) {
-  if (!images.observations.problem.views.empty()) return;
-  std::string message = fmt::format("no board was found in any of {} images", images.files.size());
+// A failed solve for want of data is explained by what the images show instead of the board.
+CalibrationResult calibrate_explained(const CalibrationProblem& problem, const CalibrateOptions& options,
+                                      const DetectedImages& images) try {
+  return calibrate(problem, options);
+} catch (const Error& error) {
+  if (error.kind() != ErrorKind::kNotEnoughData || images.unused.empty()) throw;
+  std::string message = error.what();
+  message += fmt::format("; {} of {} images show no usable board", images.unused.size(), images.files.size());
   for (const std::string& hint : images.hints) message += "; " + hint;
-  if (images.hints.empty()) message += "; are the board's kind and its size right (a chessboard counts inner corners)?";
-  throw Error(ErrorKind::kNotEnoughData, message);
+  throw Error(error.kind(), message);
 }
 
 Provenance provenance_of(const CalibrateJob& job, const CalibrateOptions& options, const DetectedImages& images) {
@@ -114,13 +118,13 @@ void run_calibration(const CalibrateJob& job) {
   DetectedImages images = observe(job.input, dataset);
   require_models(images);
   require_views(images);
-  for (const std::string& hint : images.hints) say_warning(hint);
   CalibrationProblem& problem = images.observations.problem;
   problem.rules = dataset.rules;
   problem.rules.insert(problem.rules.end(), job.rules.begin(), job.rules.end());
   if (!job.start.empty()) take_start(job.start, problem);
 
-  CalibrationResult result = calibrate(problem, options);
+  CalibrationResult result = calibrate_explained(problem, options, images);
+  for (const std::string& hint : images.hints) say_warning(hint);
   const CalibrationResult first = result;
   const double refine_begin = now();
   if (job.predict_corners && !images.files.empty()) {

@@ -41,6 +41,7 @@ std::string found_table(const DetectedImages& images) {
 
 void run(const DetectFlags& flags) {
   const DetectedImages images = observe(flags.input, dataset_of(flags.input, false));
+  require_views(images);
   write_observations(flags.output, images.observations);
   for (const std::string& hint : images.hints) say_warning(hint);
   constexpr std::size_t kMostLines = 8;
@@ -51,9 +52,6 @@ void run(const DetectFlags& flags) {
   fmt::print("{}", found_table(images));
   fmt::print("\nwrote {0} ({1:.2f} s)\nnext  raybundle calibrate --observations {0} --model MODEL\n", flags.output,
              images.seconds);
-  if (images.observations.problem.views.empty()) {
-    throw Error(ErrorKind::kNotEnoughData, fmt::format("no board was found in any of {} images", images.files.size()));
-  }
 }
 
 }  // namespace

@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <cstring>
+#include <map>
 #include <set>
 
 #include "detection_cache.hpp"
@@ -85,10 +87,17 @@ int index_of(const std::vector<std::string>& names, const std::string& name) {
   return static_cast<int>(std::ranges::find(names, name) - names.begin());
 }
 
+constexpr const char* kNoBoard = "no board found";
+
 std::string describe_miss(const Detection& detection) {
-  if (!detection.hint.empty()) return "no board found: " + detection.hint;
-  if (!detection.observations.empty()) return fmt::format("only {} corners found", detection.observations.size());
-  return "no board found";
+  if (!detection.hint.empty()) return fmt::format("{}: {}", kNoBoard, detection.hint);
+  if (!detection.observations.empty()) return fmt::format("{}: only {} corners", kNoBoard, detection.observations.size());
+  return kNoBoard;
+}
+
+std::string words_of(std::string hint) {
+  std::erase_if(hint, [](unsigned char c) { return std::isdigit(c) != 0; });
+  return hint;
 }
 
 constexpr std::size_t kFewestCorners = 4;
@@ -122,7 +131,7 @@ DetectedImages detect_images(const Dataset& dataset, const DetectOptions& option
     problem.cameras.push_back({camera.name, model.value_or(ModelId{}), {}, {}, {}});
   }
   std::vector<std::string> first_paths(dataset.cameras.size());
-  std::set<std::string> hints;
+  std::map<std::string, std::string> hints;  // by their words: those that differ in a count only are one
   for (std::size_t i = 0; i < images.files.size(); ++i) {
     const ImageFile& file = images.files[i];
     const std::string& camera = dataset.cameras[file.camera].name;
@@ -132,7 +141,7 @@ DetectedImages detect_images(const Dataset& dataset, const DetectOptions& option
       bool any = false;
       for (std::size_t b = 0; b < frame.boards.size(); ++b) {
         const Detection& detection = frame.boards[b];
-        if (!detection.hint.empty()) hints.insert(detection.hint);
+        if (!detection.hint.empty()) hints.emplace(words_of(detection.hint), detection.hint);
         if (detection.observations.size() < kFewestCorners) continue;
         any = true;
         problem.views.push_back({file.camera, index_of(problem.frames, frame.frame), static_cast<int>(b),
@@ -141,9 +150,26 @@ DetectedImages detect_images(const Dataset& dataset, const DetectOptions& option
       if (!any) images.unused.push_back({camera, frame.frame, file.path, describe_miss(frame.boards.front())});
     }
   }
-  images.hints.assign(hints.begin(), hints.end());
+  for (const auto& [words, hint] : hints) images.hints.push_back(hint);
   images.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return images;
+}
+
+void require_views(const DetectedImages& images) {
+  if (!images.observations.problem.views.empty()) return;
+  const auto unreadable = std::ranges::count_if(
+      images.unused, [](const UnusedImage& image) { return !image.reason.starts_with(kNoBoard); });
+  std::string message = fmt::format("no board was found in any of {} images", images.files.size());
+  if (unreadable > 0) {
+    const auto first = std::ranges::find_if(
+        images.unused, [](const UnusedImage& image) { return !image.reason.starts_with(kNoBoard); });
+    message += fmt::format("; {} of them cannot be used, such as {}: {}", unreadable, first->image, first->reason);
+  }
+  for (const std::string& hint : images.hints) message += "; " + hint;
+  if (images.hints.empty() && unreadable < static_cast<std::ptrdiff_t>(images.unused.size())) {
+    message += "; are the board's kind and its size right (a chessboard counts inner corners)?";
+  }
+  throw Error(ErrorKind::kNotEnoughData, message);
 }
 
 }  // namespace raybundle::apps

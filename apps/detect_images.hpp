@@ -32,4 +32,9 @@ struct DetectOptions {
 /// @throws Error(kBadInput) for images of different sizes in one camera
 DetectedImages detect_images(const Dataset& dataset, const DetectOptions& options);
 
+/// Refuses images without any board.
+///
+/// @throws Error(kNotEnoughData) with what the images show instead
+void require_views(const DetectedImages& images);
+
 }  // namespace raybundle::apps

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The Raybundle authors
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <glog/logging.h>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
 
@@ -37,7 +38,8 @@ int exit_code(ErrorKind kind) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  cv::setNumThreads(1);  // images are worked on side by side by our own threads
+  cv::setNumThreads(1);                    // images are worked on side by side by our own threads
+  FLAGS_minloglevel = google::GLOG_FATAL;  // Ceres logs each step that it rejects; we report the outcome
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // we say ourselves what cannot be read
 
   CLI::App app{"Raybundle calibrates wide-angle and fisheye cameras, alone, as a stereo head or as a rig."};

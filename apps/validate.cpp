@@ -91,9 +91,7 @@ void print_table(const std::vector<CameraVerdict>& verdicts) {
 void run(const ValidateFlags& flags) {
   const CalibrationFile file = read_calibration(flags.calibration);
   const DetectedImages images = observe(flags.input, dataset_of(flags.input, false));
-  if (images.observations.problem.views.empty()) {
-    throw Error(ErrorKind::kNotEnoughData, fmt::format("no board was found in any of {} images", images.files.size()));
-  }
+  require_views(images);
   CalibrationProblem problem = held_out_problem(file, images.observations.problem);
   refer_to_first_camera(problem);
   CalibrateOptions options;
