@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <random>
 
 #include "program.hpp"
 #include "synthetic_world.hpp"
@@ -34,14 +35,14 @@ class BadInput : public ::testing::Test {
     arguments.insert(arguments.begin(), "calibrate");
     arguments.insert(arguments.end(), {"-o", (place / "out").string()});
     const ProgramRun run = raybundle_program(arguments);
-    EXPECT_EQ(run.exit_code, exit_code) << run.err << run.out;
+    ASSERT_EQ(run.exit_code, exit_code) << run.err << run.out;
     EXPECT_EQ(std::ranges::count(run.err, '\n'), 1) << run.err;
     EXPECT_TRUE(run.err.starts_with("raybundle: error: ")) << run.err;
     for (const std::string& word : words) EXPECT_THAT(run.err, HasSubstr(word));
     EXPECT_EQ(run.out, "");
     int files = 0;
     for (const auto& entry : fs::directory_iterator(place / "out")) {
-      EXPECT_EQ(text_of(entry.path()), kOld) << entry.path();
+      EXPECT_TRUE(text_of(entry.path()) == kOld) << entry.path() << " has changed";
       ++files;
     }
     EXPECT_EQ(files, 3) << "a file was left over or lost";
@@ -121,17 +122,23 @@ TEST_F(BadInput, FewerThanThreeViews) {
 
 // A board that only turns in its own plane and moves: every focal length explains it, at another distance.
 TEST_F(BadInput, BoardAlwaysParallelToTheImage) {
-  std::string csv = "camera,frame,point_id,u,v\n";
-  for (int frame = 0; frame < 12; ++frame) {
-    const double scale = 1500.0 + 90.0 * frame, turn = 0.2 * frame;  // [px/m], [rad]
-    for (int id = 0; id < 35; ++id) {
-      const double x = 0.04 * (id % 7 - 3), y = 0.04 * (id / 7 - 2);
-      const double u = 320 + 12 * (frame % 5 - 2) + scale * (std::cos(turn) * x - std::sin(turn) * y);
-      const double v = 240 + 10 * (frame % 3 - 1) + scale * (std::sin(turn) * x + std::cos(turn) * y);
-      if (u > 0 && u < 639 && v > 0 && v < 479) csv += fmt::format("a,{},{},{:.6f},{:.6f}\n", frame, id, u, v);
+  std::mt19937 random(1);
+  for (const double noise_px : {0.0, 0.1}) {
+    std::normal_distribution<double> noise(0.0, 1.0);
+    std::string csv = "camera,frame,point_id,u,v\n";
+    for (int frame = 0; frame < 12; ++frame) {
+      const double scale = 1500.0 + 90.0 * frame, turn = 0.2 * frame;  // [px/m], [rad]
+      for (int id = 0; id < 35; ++id) {
+        const double x = 0.04 * (id % 7 - 3), y = 0.04 * (id / 7 - 2);
+        const double u = 320 + 12 * (frame % 5 - 2) + scale * (std::cos(turn) * x - std::sin(turn) * y);
+        const double v = 240 + 10 * (frame % 3 - 1) + scale * (std::sin(turn) * x + std::cos(turn) * y);
+        if (u < 0 || u > 639 || v < 0 || v > 479) continue;
+        csv += fmt::format("a,{},{},{:.6f},{:.6f}\n", frame, id, u + noise_px * noise(random),
+                           v + noise_px * noise(random));
+      }
     }
+    refuses_corners("parallel.csv", csv, 3, {"camera a", "parallel", "tilt"});
   }
-  refuses_corners("parallel.csv", csv, 3, {"camera a", "parallel", "tilt"});
 }
 
 TEST_F(BadInput, TwoCamerasWithoutASharedFrame) {

@@ -34,6 +34,14 @@ fs::path cache_of_this_build() {
   return mine;
 }
 
+struct RemovedAtExit {
+  std::vector<fs::path> folders;
+  ~RemovedAtExit() {
+    std::error_code ignored;
+    for (const fs::path& folder : folders) fs::remove_all(folder, ignored);
+  }
+};
+
 }  // namespace
 
 ProgramRun raybundle_program(const std::vector<std::string>& arguments, const std::string& input) {
@@ -51,12 +59,14 @@ ProgramRun raybundle_program(const std::vector<std::string>& arguments, const st
 }
 
 fs::path fresh_folder() {
+  static RemovedAtExit all;
   const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
   std::string name = fmt::format("raybundle_{}_{}_{}", test->test_suite_name(), test->name(), getpid());
   for (char& c : name) c = c == '/' ? '_' : c;
   const fs::path folder = fs::temp_directory_path() / name;
   fs::remove_all(folder);
   fs::create_directories(folder);
+  all.folders.push_back(folder);
   return folder;
 }
 
@@ -107,7 +117,10 @@ std::map<std::string, std::map<std::string, int>> corners_by_frame(const nlohman
 
 int views_with(const nlohmann::json& document, const std::string& camera, int corners) {
   int count = 0;
-  for (const auto& [frame, found] : corners_by_frame(document)[camera]) count += found >= corners ? 1 : 0;
+  const auto cameras = corners_by_frame(document);
+  const auto frames = cameras.find(camera);
+  if (frames == cameras.end()) return 0;
+  for (const auto& [frame, found] : frames->second) count += found >= corners ? 1 : 0;
   return count;
 }
 
