@@ -23,7 +23,9 @@ struct RealSet {
   int corners;      ///< that an image must give to count
 };
 
-void PrintTo(const RealSet& set, std::ostream* out) { *out << set.folder << "/" << set.prefix; }
+void PrintTo(const RealSet& set, std::ostream* out) {
+  *out << set.folder << "/" << set.prefix << " as " << set.columns << "x" << set.rows;
+}
 
 class ChessboardReal : public ::testing::TestWithParam<RealSet> {};
 

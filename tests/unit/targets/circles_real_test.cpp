@@ -17,6 +17,8 @@ struct CircleSet {
   Board board;
 };
 
+void PrintTo(const CircleSet& set, std::ostream* out) { *out << set.folder; }
+
 class RealCircles : public ::testing::TestWithParam<CircleSet> {};
 
 TEST_P(RealCircles, AreFoundInEveryImage) {

@@ -40,6 +40,8 @@ struct Case {
   double rms_px;  // largest error allowed
 };
 
+void PrintTo(const Case& tested, std::ostream* out) { *out << tested.word; }
+
 class RenderedBoard : public ::testing::TestWithParam<Case> {
  protected:
   void SetUp() override {

@@ -33,6 +33,8 @@ struct Case {
   double square_m;
 };
 
+void PrintTo(const Case& tested, std::ostream* out) { *out << tested.word; }
+
 class DrawnBoard : public testing::TestWithParam<Case> {};
 
 // The law that ties drawing, target_of and detection together: every point is found where it was drawn, under its id.
