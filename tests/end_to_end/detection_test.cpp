@@ -76,7 +76,7 @@ INSTANTIATE_TEST_SUITE_P(
                                "charuco:4x5:54mm:40.5mm:DICT_4X4_1000:inverted", 37, 6}),
     [](const auto& set) { return set.param.name; });
 
-// Nine tenths of the circles: a few are too slanted or lie in a reflection.
+// Nine tenths of the circles, as the unit tests of the detector ask.
 // BoofCV's hexagonal grid counts half steps and looks up: our asymmetric grid that begins with its shifted row.
 constexpr const char* kHexagonal = "asymmetric_circles:14x24:6mm:row_step=10.3923mm:first_row_shifted";
 
