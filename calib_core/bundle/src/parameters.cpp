@@ -63,15 +63,18 @@ void fix_all(ParameterBlock& block) {
   throw Error(ErrorKind::kBadInput, "no parameter matches '" + rule.pattern + "'; there are: " + known);
 }
 
+bool speaks_of(const ParameterRule& rule, const ParameterBlock& block, const Parameter& parameter) {
+  return matches(rule.pattern, block.group) || matches(rule.pattern, parameter.name);
+}
+
 void apply_rule(const ParameterRule& rule, std::vector<ParameterBlock>& blocks) {
   if (rule.kind == RuleKind::kPrior && !(rule.sigma > 0.0)) {
     throw Error(ErrorKind::kBadInput, "the prior on '" + rule.pattern + "' needs a sigma above zero");
   }
   bool matched = false;
   for (ParameterBlock& block : blocks) {
-    const bool whole = matches(rule.pattern, block.group);
     for (Parameter& parameter : block.parameters) {
-      if (!whole && !matches(rule.pattern, parameter.name)) continue;
+      if (!speaks_of(rule, block, parameter)) continue;
       parameter.kind = rule.kind;
       parameter.value = rule.kind == RuleKind::kFree ? std::nullopt : rule.value;
       parameter.sigma = rule.sigma;
@@ -79,6 +82,23 @@ void apply_rule(const ParameterRule& rule, std::vector<ParameterBlock>& blocks) 
     }
   }
   if (!matched) throw_no_match(rule, blocks);
+}
+
+// All blocks, without a word of the rules.
+std::vector<ParameterBlock> free_blocks(const CalibrationProblem& problem) {
+  std::vector<ParameterBlock> blocks;
+  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
+    const std::string& name = problem.cameras[c].name;
+    blocks.push_back(make_block(ParameterBlock::Kind::kIntrinsics, c, name + ".intrinsics", name + ".",
+                                parameter_names(problem.cameras[c].model)));
+    const std::string extrinsics = name + ".camera_from_rig";
+    blocks.push_back(make_block(ParameterBlock::Kind::kCameraFromRig, c, extrinsics, extrinsics + ".", kMotionNames));
+  }
+  for (int t = 0; t < static_cast<int>(problem.targets.size()); ++t) {
+    const std::string& name = problem.targets[t].name;
+    blocks.push_back(make_block(ParameterBlock::Kind::kShape, t, name + ".shape", name + ".", kShapeParameterNames));
+  }
+  return blocks;
 }
 
 // Whether a used observation depends on each camera and each target.
@@ -115,18 +135,7 @@ std::vector<int> ParameterBlock::with_prior() const {
 }
 
 std::vector<ParameterBlock> parameter_blocks(const CalibrationProblem& problem) {
-  std::vector<ParameterBlock> blocks;
-  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
-    const std::string& name = problem.cameras[c].name;
-    blocks.push_back(make_block(ParameterBlock::Kind::kIntrinsics, c, name + ".intrinsics", name + ".",
-                                parameter_names(problem.cameras[c].model)));
-    const std::string extrinsics = name + ".camera_from_rig";
-    blocks.push_back(make_block(ParameterBlock::Kind::kCameraFromRig, c, extrinsics, extrinsics + ".", kMotionNames));
-  }
-  for (int t = 0; t < static_cast<int>(problem.targets.size()); ++t) {
-    const std::string& name = problem.targets[t].name;
-    blocks.push_back(make_block(ParameterBlock::Kind::kShape, t, name + ".shape", name + ".", kShapeParameterNames));
-  }
+  std::vector<ParameterBlock> blocks = free_blocks(problem);
   for (const ParameterRule& rule : problem.rules) apply_rule(rule, blocks);
   for (ParameterBlock& block : blocks) {
     if (block.kind != ParameterBlock::Kind::kCameraFromRig || block.owner != 0) continue;
@@ -134,6 +143,13 @@ std::vector<ParameterBlock> parameter_blocks(const CalibrationProblem& problem) 
       parameter = {.name = parameter.name, .kind = RuleKind::kFixed, .value = {}};
   }
   return blocks;
+}
+
+bool matches_any(const ParameterRule& rule, const CalibrationProblem& problem) {
+  return std::ranges::any_of(free_blocks(problem), [&](const ParameterBlock& block) {
+    return std::ranges::any_of(block.parameters,
+                               [&](const Parameter& parameter) { return speaks_of(rule, block, parameter); });
+  });
 }
 
 std::vector<ParameterBlock> estimated_blocks(const CalibrationProblem& problem, const BundleState& state,

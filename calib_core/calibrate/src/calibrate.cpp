@@ -3,9 +3,12 @@
 #include "raybundle/calibrate/calibrate.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 
 #include "cameras_alone.hpp"
 #include "joint_solve.hpp"
+#include "raybundle/bundle/parameters.hpp"
 #include "raybundle/camera/injectivity.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/initialize/rig_start.hpp"
@@ -119,6 +122,7 @@ CalibrationResult for_whole_problem(const CalibrationProblem& whole, const std::
 
 CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOptions& options) {
   check(problem);
+  parameter_blocks(problem);  // refuses rules that match nothing
   CalibrationResult result;
 
   // Each camera alone, then all that could be calibrated as one rig.
@@ -129,7 +133,6 @@ CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOp
   }
   if (cameras.empty()) throw Error(ErrorKind::kNotEnoughData, alone.why_not.front());
   Subproblem sub = select_cameras(problem, cameras);
-  if (cameras.size() == problem.cameras.size()) sub.problem.rules = problem.rules;  // so that none goes unheard
   std::vector<std::optional<Rigid3>> camera_from_target;
   std::vector<std::vector<ObservationFate>> fates;
   std::vector<std::string> reasons;
@@ -157,7 +160,8 @@ CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOp
 
   fill_result(sub.problem, state, result);
   warn_of_folds(sub.problem, state, result);
-  result.set_aside = solve.ties.untied;
+  std::ranges::copy_if(solve.ties.untied, std::back_inserter(result.set_aside),
+                       [&](const SetAside& untied) { return state.pose_of_view[untied.view] >= 0; });
   name_views_set_aside(state, reasons, result);
   result.termination = solve.summary.termination;
   result.iterations = solve.summary.iterations;

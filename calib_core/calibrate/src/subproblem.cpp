@@ -2,28 +2,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "subproblem.hpp"
 
-#include <fnmatch.h>
-
 #include <algorithm>
-#include <string>
+#include <iterator>
+#include <optional>
+
+#include "raybundle/bundle/parameters.hpp"
 
 namespace raybundle {
 namespace {
 
-bool matches(const std::string& pattern, const std::string& name) {
-  return fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
-}
-
-// Whether a rule speaks of what the subproblem holds. Rules that match nothing at all are found by the joint solve.
-bool speaks_of(const ParameterRule& rule, const CalibrationProblem& problem) {
-  const std::size_t dot = rule.pattern.find('.');
-  const std::string head = rule.pattern.substr(0, dot);
-  const std::string tail = dot == std::string::npos ? "*" : rule.pattern.substr(dot + 1);
-  const bool extrinsic = tail.starts_with("camera_from_rig");
-  for (std::size_t c = extrinsic ? 1 : 0; c < problem.cameras.size(); ++c) {
-    if (matches(head, problem.cameras[c].name)) return true;
+// Extrinsics as seen from the first of the cameras; where its place in the rig is unknown, theirs are too.
+void refer_to_first(std::vector<ProblemCamera>& cameras, std::optional<Rigid3> first_from_rig) {
+  for (ProblemCamera& camera : cameras) {
+    if (!first_from_rig) camera.camera_from_rig.reset();
+    if (camera.camera_from_rig) camera.camera_from_rig = *camera.camera_from_rig * first_from_rig->inverse();
   }
-  return !extrinsic && std::ranges::any_of(problem.targets, [&](const Target& t) { return matches(head, t.name); });
 }
 
 }  // namespace
@@ -33,6 +26,9 @@ Subproblem select_cameras(const CalibrationProblem& whole, const std::vector<int
   sub.problem.targets = whole.targets;
   sub.problem.frames = whole.frames;
   for (int c : cameras) sub.problem.cameras.push_back(whole.cameras[c]);
+  std::optional<Rigid3> first_from_rig = sub.problem.cameras.front().camera_from_rig;
+  if (cameras.front() == 0 && !first_from_rig) first_from_rig = Rigid3{};
+  refer_to_first(sub.problem.cameras, first_from_rig);
   for (std::size_t v = 0; v < whole.views.size(); ++v) {
     const auto found = std::ranges::find(cameras, whole.views[v].camera);
     if (found == cameras.end()) continue;
@@ -41,7 +37,7 @@ Subproblem select_cameras(const CalibrationProblem& whole, const std::vector<int
     sub.views.push_back(static_cast<int>(v));
   }
   std::ranges::copy_if(whole.rules, std::back_inserter(sub.problem.rules),
-                       [&](const ParameterRule& rule) { return speaks_of(rule, sub.problem); });
+                       [&](const ParameterRule& rule) { return matches_any(rule, sub.problem); });
   return sub;
 }
 

@@ -41,6 +41,9 @@ struct ParameterBlock {
 /// @throws Error(kBadInput) for a rule that matches nothing, or a prior without a positive sigma
 std::vector<ParameterBlock> parameter_blocks(const CalibrationProblem& problem);
 
+/// Whether a rule speaks of any parameter of the problem.
+bool matches_any(const ParameterRule& rule, const CalibrationProblem& problem);
+
 /// The blocks as solve_bundle and reduced_information treat them: what no used observation depends on is fixed too, and
 /// so are the board shapes that are not asked for.
 std::vector<ParameterBlock> estimated_blocks(const CalibrationProblem& problem, const BundleState& state,
