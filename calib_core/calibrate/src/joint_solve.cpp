@@ -13,9 +13,11 @@ namespace {
 constexpr int kMaxTieReviews = 10;
 constexpr double kSmallestShareKept = 0.25;  // of the frames that could tie the cameras
 
-CalibrationProblem with_fixed_intrinsics(const CalibrationProblem& problem) {
+CalibrationProblem with_fixed_intrinsics(const CalibrationProblem& problem, const BundleState& state) {
   CalibrationProblem fixed = problem;
   fixed.rules.push_back({"*.intrinsics", ParameterRule::Kind::kFixed, {}, 0.0});
+  // A fixed parameter goes to the problem's start, which is not what is to be held here.
+  for (std::size_t c = 0; c < state.cameras.size(); ++c) fixed.cameras[c].parameters = state.cameras[c].parameters;
   return fixed;
 }
 
@@ -38,7 +40,7 @@ BundleSummary solve_and_review_ties(const CalibrationProblem& problem, BundleSta
 // corners and must not bend the lenses: then the intrinsics stay what each camera alone tells.
 BundleSummary solve_rig(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
                         TieReview& ties) {
-  const CalibrationProblem rig_only = with_fixed_intrinsics(problem);
+  const CalibrationProblem rig_only = with_fixed_intrinsics(problem, state);
   solve_robustly(rig_only, state, options);
   const BundleState cameras_alone = state;
   const BundleSummary summary = solve_and_review_ties(problem, state, options, ties);

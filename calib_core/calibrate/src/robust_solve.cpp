@@ -59,7 +59,8 @@ void mark_view(const CalibrationProblem& problem, BundleState& state, int view, 
   std::size_t used = 0;
   for (std::size_t i = 0; i < distances.size(); ++i) {
     const double sigma = problem.views[view].observations[i].sigma_px;
-    const bool fits = distances[i] <= limit || distances[i] * sigma <= kSmallestDistancePx;
+    const bool fits =
+        std::isfinite(distances[i]) && (distances[i] <= limit || distances[i] * sigma <= kSmallestDistancePx);
     fates[i] = fits ? ObservationFate::kUsed
                     : (std::isinf(distances[i]) ? ObservationFate::kUnprojectable : ObservationFate::kOutlier);
     used += fits;

@@ -5,29 +5,72 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "raybundle/initialize/tie_check.hpp"
 
 namespace raybundle {
 namespace {
 
-// Every frame tied: the views of a board in a frame share the pose of the first of them.
+// Whether the camera could see at least half of the view's corners with the board where its pose has it.
+bool in_sight(const CalibrationProblem& problem, const BundleState& state, int view) {
+  const std::vector<Eigen::Vector2d> residuals = view_residuals(problem, state, view);
+  const auto projected = std::ranges::count_if(residuals, [](const Eigen::Vector2d& r) { return r.allFinite(); });
+  return 2 * projected >= static_cast<std::ptrdiff_t>(residuals.size());
+}
+
+// Every frame tied: the views of a board in a frame share the pose of the first of them. A view whose camera could not
+// even see the board there begins another one: no solve could start from it.
 BundleState with_all_ties(const CalibrationProblem& problem, const BundleState& state) {
   BundleState tied = state;
-  std::map<std::pair<int, int>, int> pose_of_board;  // by frame and target
-  for (std::size_t v = 0; v < problem.views.size(); ++v) {
+  std::map<std::pair<int, int>, std::vector<int>> poses_of_board;  // by frame and target
+  for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
     if (state.pose_of_view[v] < 0) continue;
-    const std::pair board{problem.views[v].frame, problem.views[v].target};
-    tied.pose_of_view[v] = pose_of_board.insert({board, state.pose_of_view[v]}).first->second;
+    std::vector<int>& poses = poses_of_board[{problem.views[v].frame, problem.views[v].target}];
+    const bool shared = std::ranges::any_of(poses, [&](int pose) {
+      tied.pose_of_view[v] = pose;
+      return in_sight(problem, tied, v);
+    });
+    if (shared) continue;
+    tied.pose_of_view[v] = state.pose_of_view[v];
+    poses.push_back(state.pose_of_view[v]);
   }
+  mark_projectable(problem, tied);
   return tied;
+}
+
+// Views that have a pose of their own although other cameras saw the board in the frame.
+std::vector<SetAside> views_out_of_sight(const CalibrationProblem& problem, const BundleState& tied) {
+  std::map<int, int> views_of_pose;
+  std::map<std::pair<int, int>, std::set<int>> poses_of_board;  // by frame and target
+  for (std::size_t v = 0; v < problem.views.size(); ++v) {
+    const int pose = tied.pose_of_view[v];
+    if (pose < 0) continue;
+    ++views_of_pose[pose];
+    poses_of_board[{problem.views[v].frame, problem.views[v].target}].insert(pose);
+  }
+  std::vector<SetAside> untied;
+  for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
+    const int pose = tied.pose_of_view[v];
+    if (pose < 0 || views_of_pose[pose] > 1) continue;
+    if (poses_of_board[{problem.views[v].frame, problem.views[v].target}].size() < 2) continue;
+    untied.push_back({v, SetAside::Scope::kExtrinsics,
+                      "another camera saw the board where " + problem.cameras[problem.views[v].camera].name +
+                          " could not have seen it, or the other way round"});
+  }
+  return untied;
 }
 
 // Moves only the boards.
 void solve_poses(const CalibrationProblem& problem, BundleState& state, int threads) {
   CalibrationProblem poses_only = problem;
   poses_only.rules = {{"*", ParameterRule::Kind::kFixed, {}, 0.0}};
+  for (std::size_t c = 0; c < state.cameras.size(); ++c) {  // held as they are now, not at the problem's start
+    poses_only.cameras[c].parameters = state.cameras[c].parameters;
+    poses_only.cameras[c].camera_from_rig = state.camera_from_rig[c];
+  }
   BundleOptions options;
   options.threads = threads;
   options.robust_scale_sigma = 0.0;
@@ -49,6 +92,16 @@ double tie_limit(const std::vector<TieCheck>& checks, double tie_sigma, TieRevie
   return review.unsynchronised ? 3.0 * quantile(values, 0.5) : std::max(tie_sigma, best);
 }
 
+// For each view the first one that shares its board pose: the same for states that tie the same views.
+std::vector<int> first_sharing(const std::vector<int>& pose_of_view) {
+  std::map<int, int> first_of_pose;
+  std::vector<int> first;
+  for (int v = 0; v < static_cast<int>(pose_of_view.size()); ++v) {
+    first.push_back(pose_of_view[v] < 0 ? -1 : first_of_pose.insert({pose_of_view[v], v}).first->second);
+  }
+  return first;
+}
+
 }  // namespace
 
 bool review_ties(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
@@ -57,9 +110,9 @@ bool review_ties(const CalibrationProblem& problem, BundleState& state, const Ca
   solve_poses(problem, tied, options.threads);
   const std::vector<TieCheck> checks =
       check_ties(problem, tied.cameras, tied.camera_from_rig, tied.poses, tied.pose_of_view);
+  review.untied = views_out_of_sight(problem, tied);
   if (checks.empty()) return false;
   const double limit = tie_limit(checks, options.tie_sigma, review);
-  review.untied.clear();
   for (const TieCheck& check : checks) {
     if (check.excess <= limit) continue;
     for (std::size_t i = 0; i < check.views.size(); ++i) {
@@ -75,9 +128,8 @@ bool review_ties(const CalibrationProblem& problem, BundleState& state, const Ca
       }
     }
   }
-  std::set<int> before(state.pose_of_view.begin(), state.pose_of_view.end());
-  std::set<int> after(tied.pose_of_view.begin(), tied.pose_of_view.end());
-  const bool changed = before.size() != after.size();
+  mark_projectable(problem, tied);
+  const bool changed = first_sharing(state.pose_of_view) != first_sharing(tied.pose_of_view);
   state = std::move(tied);
   return changed;
 }

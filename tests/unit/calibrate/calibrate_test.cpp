@@ -179,5 +179,85 @@ TEST(Calibrate, KeepsFixedParameters) {
   EXPECT_EQ(result.calibration.cameras[0].camera.parameters[7], 0.0);
 }
 
+// A start is where the solve begins; nothing may be held at it, nor may it make the frames look untied.
+TEST(Calibrate, RoughStartChangesNothing) {
+  SyntheticOptions options = stereo(15);
+  options.noise_px = 0.1;
+  SyntheticWorld world = synthetic_world(options);
+  const CalibrationResult without = calibrate(world.problem);
+  for (std::size_t c = 0; c < 2; ++c) {
+    ProblemCamera& camera = world.problem.cameras[c];
+    camera.parameters = world.cameras[c].parameters;
+    camera.parameters->head<2>() *= 1.01;
+    camera.camera_from_rig = c == 0 ? Rigid3{} : beside(0.13, 0.12);
+  }
+  const CalibrationResult with = calibrate(world.problem);
+  EXPECT_THAT(with.warnings, ::testing::IsEmpty());
+  EXPECT_THAT(with.set_aside, ::testing::IsEmpty());
+  for (std::size_t c = 0; c < 2; ++c) {  // to what the solver leaves, a hundredth of the smallest sigma
+    const RigCamera& expected = without.calibration.cameras[c];
+    EXPECT_NEAR(with.calibration.cameras[c].camera.fx(), expected.camera.fx(), 1e-3);
+    const auto motion = motion_between(expected.camera_from_rig, with.calibration.cameras[c].camera_from_rig);
+    EXPECT_LT(motion.cwiseAbs().maxCoeff(), 1e-6);
+  }
+}
+
+// Extrinsics are given in the frame of the first camera; when that one drops out, the next one's frame takes its place.
+TEST(Calibrate, GivenExtrinsicsSurviveTheLossOfTheFirstCamera) {
+  SyntheticOptions options = stereo(17);
+  SyntheticCamera third;
+  third.camera_from_rig = beside(-0.1, -0.1);
+  options.cameras.push_back(third);
+  SyntheticWorld world = synthetic_world(options);
+  for (std::size_t c = 0; c < 3; ++c) world.problem.cameras[c].camera_from_rig = world.camera_from_rig[c];
+  world.problem.rules = {{"*.camera_from_rig", ParameterRule::Kind::kFixed, {}, 0.0}};
+  std::erase_if(world.problem.views, [](const TargetView& view) { return view.camera == 0; });
+  const CalibrationResult result = calibrate(world.problem);
+  ASSERT_THAT(result.calibration.cameras, ::testing::SizeIs(2));
+  const Rigid3 truth = world.camera_from_rig[2] * world.camera_from_rig[1].inverse();
+  EXPECT_LT(motion_between(truth, result.calibration.cameras[1].camera_from_rig).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_LT(result.rms_px, 1e-6);  // exact observations
+}
+
+// In one frame each camera saw another board, each of them behind the other camera.
+TEST(Calibrate, FrameOutOfEachOthersSightDoesNotCostTheRest) {
+  SyntheticOptions options = stereo(19);
+  options.frames = 60;
+  options.max_off_axis_rad = 0.9;
+  options.min_points = 20;
+  options.noise_px = 0.2;
+  for (SyntheticCamera& camera : options.cameras) camera.model = "pinhole";
+  options.cameras[1].camera_from_rig = beside(0.12, 1.4);
+  SyntheticWorld world = synthetic_world(options);
+  std::vector<TargetView>& views = world.problem.views;
+  const auto behind_the_other = [&](int camera) {
+    return static_cast<int>(
+        std::ranges::find_if(views,
+                             [&](const TargetView& view) {
+                               const int v = static_cast<int>(&view - views.data());
+                               const Rigid3 other_from_board = world.camera_from_rig[1 - camera] *
+                                                               world.poses[world.pose_of_view[v]].rig_from_target;
+                               return view.camera == camera &&
+                                      std::ranges::all_of(world.problem.targets[0].points, [&](const TargetPoint& p) {
+                                        return (other_from_board * p.x_in_target).z() < 0.0;
+                                      });
+                             }) -
+        views.begin());
+  };
+  const int left = behind_the_other(0), right = behind_the_other(1);
+  ASSERT_LT(std::max(left, right), static_cast<int>(views.size()));
+  views[right].frame = views[left].frame;
+
+  const CalibrationResult result = calibrate(world.problem);
+  std::vector<int> named;
+  for (const SetAside& aside : result.set_aside) {
+    named.push_back(aside.view);
+    EXPECT_EQ(aside.scope, SetAside::Scope::kExtrinsics) << aside.reason;
+  }
+  EXPECT_THAT(named, ::testing::UnorderedElementsAre(left, right));
+  const Eigen::Vector3d found = result.calibration.cameras[1].camera_from_rig.translation;
+  EXPECT_LT((found - world.camera_from_rig[1].translation).norm(), 1e-3);  // its sigma is some 0.1 mm
+}
+
 }  // namespace
 }  // namespace raybundle
