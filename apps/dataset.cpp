@@ -149,6 +149,19 @@ double number(const std::string& text, const std::string& flag) {
   return value;
 }
 
+// What to do about the mistakes in TOML that people make most.
+std::string toml_hint(const std::string& text, std::string_view problem) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  const auto says = [&](std::string_view part) { return problem.find(part) != std::string_view::npos; };
+  if (first != std::string::npos && text[first] == '{') {
+    return "; this is JSON, not a dataset.toml: corners found before are given with --observations";
+  }
+  if (says("escape sequence")) return "; write / for \\ in paths";
+  if (says("determine value type")) return "; text stands in quotes, as in kind = \"chessboard\"";
+  if (says("redefine existing table")) return "; of several write each in double brackets, as [[camera]]";
+  return "";
+}
+
 }  // namespace
 
 ModelId model_from_name(const std::string& name, const std::string& where) {
@@ -164,7 +177,7 @@ Dataset dataset_from_text(const std::string& text, const std::string& path) {
   try {
     root = toml::parse(text, path);
   } catch (const toml::parse_error& error) {
-    throw Error(ErrorKind::kBadInput, std::string(error.description()),
+    throw Error(ErrorKind::kBadInput, std::string(error.description()) + toml_hint(text, error.description()),
                 fmt::format("{}:{}", path, error.source().begin.line));
   }
   Dataset dataset;

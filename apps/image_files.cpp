@@ -48,6 +48,14 @@ std::vector<std::string> glob_files(const std::string& pattern) {
   const std::filesystem::path folder = std::filesystem::path(pattern).parent_path();
   const std::string shown = folder.empty() ? "." : folder.string();
   std::error_code ignored;
+  if (std::filesystem::is_directory(pattern, ignored)) {
+    throw Error(ErrorKind::kIo, fmt::format("no image matches '{0}': it is a folder; say which images in it, as in "
+                                            "'{0}/*.jpg'",
+                                            pattern));
+  }
+  if (pattern.find('\\') != std::string::npos) {
+    throw Error(ErrorKind::kIo, "no image matches '" + pattern + "': write / for \\ in paths");
+  }
   if (!std::filesystem::is_directory(shown, ignored)) {
     throw Error(ErrorKind::kIo, "no image matches '" + pattern + "': there is no folder " + shown);
   }

@@ -24,9 +24,10 @@ struct ProjectFlags {
 
 // Numbers of a line, separated by commas or blanks.
 template <std::size_t count>
-std::array<double, count> numbers_in(std::string line, int number) {
-  std::ranges::replace(line, ',', ' ');
-  const char* rest = line.c_str();
+std::array<double, count> numbers_in(const std::string& line, int number) {
+  std::string blank_separated = line;
+  std::ranges::replace(blank_separated, ',', ' ');
+  const char* rest = blank_separated.c_str();
   std::array<double, count> values{};
   for (double& value : values) {
     char* end = nullptr;
@@ -48,6 +49,11 @@ std::array<double, count> numbers_in(std::string line, int number) {
 template <std::size_t in, typename Answer>
 void answer_lines(const ProjectFlags& flags, Answer&& answer) {
   const CalibrationFile file = read_calibration(flags.calibration);
+  if (flags.camera.empty() && file.calibration.cameras.size() > 1) {
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("which camera? Give --camera, as in --camera {}; there are {} cameras",
+                            file.calibration.cameras.front().name, file.calibration.cameras.size()));
+  }
   const RigCamera& camera = flags.camera.empty() && file.calibration.cameras.size() == 1
                                 ? file.calibration.cameras.front()
                                 : camera_named(file.calibration, flags.camera);
@@ -69,7 +75,9 @@ void add_project_verb(CLI::App& app) {
   auto flags = std::make_shared<ProjectFlags>();
   CLI::App* verb = app.add_subcommand("project", "rays or points x,y,z in the camera's frame on stdin -> pixels u,v");
   declare(*verb, *flags);
-  verb->footer("Example:\n  echo 0,0,1 | raybundle project out/calibration.json --camera left");
+  verb->footer(
+      "One line of numbers in, one line out; nan,nan where the camera cannot see the ray.\n"
+      "Example:\n  echo 0,0,1 | raybundle project out/calibration.json --camera left");
   verb->callback([flags] {
     answer_lines<3>(*flags, [](const Camera& camera, const std::array<double, 3>& ray) {
       const auto pixel = pixel_from_ray(camera, Eigen::Vector3d(ray.data()));
@@ -82,7 +90,9 @@ void add_unproject_verb(CLI::App& app) {
   auto flags = std::make_shared<ProjectFlags>();
   CLI::App* verb = app.add_subcommand("unproject", "pixels u,v on stdin -> unit rays x,y,z in the camera's frame");
   declare(*verb, *flags);
-  verb->footer("Example:\n  echo 320,240 | raybundle unproject out/calibration.json --camera left");
+  verb->footer(
+      "One line of numbers in, one line out; nan,nan,nan where no ray meets the pixel.\n"
+      "Example:\n  echo 320,240 | raybundle unproject out/calibration.json --camera left");
   verb->callback([flags] {
     answer_lines<2>(*flags, [](const Camera& camera, const std::array<double, 2>& pixel) {
       const auto ray = ray_from_pixel(camera, Eigen::Vector2d(pixel.data()));
