@@ -40,7 +40,7 @@ TEST(Recover, Stereo) { expect_truth(stereo_options()); }
 
 TEST(Recover, RigInWhichOnlySomeCamerasSeeTheBoardAndModelsDiffer) {
   SyntheticOptions options;
-  options.cameras = {SyntheticCamera{}, rig_camera("double_sphere", 0.9, -0.2), rig_camera("pinhole", 1.8, -0.4)};
+  options.cameras = {SyntheticCamera{}, rig_camera("double_sphere", 1.2, -0.2), rig_camera("pinhole", 2.1, -0.4)};
   options.cameras[2].focal_px = 600;
   options.frames = 45;
   const SyntheticWorld world = synthetic_world(options);
