@@ -107,6 +107,15 @@ std::string folder_from(const std::filesystem::path& folder) {
   return std::filesystem::relative(std::filesystem::current_path(), folder, failed).generic_string();
 }
 
+// How to test the calibration on images that it has not seen.
+std::string next_command(const CalibrateJob& job, const Dataset& dataset) {
+  std::string command = fmt::format("raybundle validate {}/calibration.json", job.output);
+  if (!job.input.target.empty()) command += " --target " + job.input.target;
+  for (const DatasetCamera& camera : dataset.cameras)
+    command += fmt::format(" --camera {}='OTHER_IMAGES'", camera.name);
+  return command;
+}
+
 }  // namespace
 
 void run_calibration(const CalibrateJob& job) {
@@ -148,7 +157,7 @@ void run_calibration(const CalibrateJob& job) {
   }
   fmt::print("{}", summary_text(problem, result, images.unused));
   fmt::print("\nwrote {0}/calibration.json, {0}/report.json\nlook  {0}/report.html\n", job.output);
-  fmt::print("next  raybundle validate {}/calibration.json --target BOARD --camera NAME=OTHER_IMAGES\n", job.output);
+  fmt::print("next  {}\n", job.next.empty() ? next_command(job, dataset) : job.next);
 }
 
 }  // namespace raybundle::apps

@@ -19,6 +19,7 @@ struct CalibrateJob {
   std::string output = "calibration";  ///< folder
   bool json = false;
   std::string command;  ///< for the provenance
+  std::string next;     ///< command to try next; empty: how to test the calibration on other images
 };
 
 /// From images or observations to calibration.json, report.json and report.html, with a summary on stdout.

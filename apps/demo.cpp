@@ -22,7 +22,7 @@ struct DemoFlags {
 // The squares of that board were never published; 25 mm gives the baseline a plausible scale.
 constexpr const char* kBoard = "chessboard:9x6:25mm";
 
-void run(const DemoFlags& flags) {
+void run(const DemoFlags& flags, const std::string& program) {
   if (!std::filesystem::exists(std::filesystem::path(flags.images) / "left01.jpg")) {
     throw Error(ErrorKind::kIo,
                 fmt::format("{} holds no left01.jpg; run ./dev demo, which unpacks Debian's package opencv-doc, or say "
@@ -36,6 +36,8 @@ void run(const DemoFlags& flags) {
   job.input.models = {"brown_conrady"};
   job.output = flags.output;
   job.command = "raybundle demo";
+  job.next =
+      fmt::format("{} target {} -o board.pdf    # print it, and calibrate a camera of your own", program, kBoard);
   fmt::print(
       "raybundle calibrate --target {} \\\n    --camera left='{}' --camera right='{}' \\\n    --model {} -o {}\n\n",
       kBoard, left, right, job.input.models.front(), job.output);
@@ -52,7 +54,7 @@ void add_demo_verb(CLI::App& app) {
       ->capture_default_str();
   verb->add_option("-o,--output", flags->output, "folder to write")->type_name("DIR")->capture_default_str();
   verb->footer("Example:\n  raybundle demo --images build/demo/opencv-doc/examples/data -o build/demo/result");
-  verb->callback([flags] { run(*flags); });
+  verb->callback([flags, &app] { run(*flags, app.get_name()); });
 }
 
 }  // namespace raybundle::apps
