@@ -145,7 +145,7 @@ void run_calibration(const CalibrateJob& job) {
   const double write_begin = now();
   const std::filesystem::path folder(job.output);
   const ReportExtra extra{images.unused, provenance_of(job, options, images)};
-  write_calibration(folder / "calibration.json", calibration_file(result, extra.provenance));
+  write_calibration(folder / "calibration.json", calibration_file(problem, result, extra.provenance));
   result.stages.push_back({"write", now() - write_begin});
   const std::string report = text_from_report(problem, result, extra);
   write_file_whole(folder / "report.json", report);

@@ -111,7 +111,7 @@ CalibrationResult for_whole_problem(const CalibrationProblem& whole, const std::
     result.set_aside.push_back({static_cast<int>(v), SetAside::Scope::kView, "its camera could not be calibrated"});
   }
   for (std::size_t c = 0; c < whole.cameras.size(); ++c) {
-    if (!alone.cameras[c]) result.warnings.push_back("camera " + whole.cameras[c].name + ": " + alone.why_not[c]);
+    if (!alone.cameras[c]) result.warnings.push_back(alone.why_not[c]);
   }
   result.cameras = std::move(summaries);
   result.views = std::move(views);

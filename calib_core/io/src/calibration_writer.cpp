@@ -118,8 +118,14 @@ OrderedJson json_from_self_test(const std::vector<RigCamera>& cameras) {
 
 }  // namespace
 
-CalibrationFile calibration_file(const CalibrationResult& result, const Provenance& provenance) {
-  return {result.calibration, result.rms_px, result.variance_factor, result.cameras, provenance};
+CalibrationFile calibration_file(const CalibrationProblem& problem, const CalibrationResult& result,
+                                 const Provenance& provenance) {
+  std::vector<CameraSummary> summaries;
+  for (const RigCamera& camera : result.calibration.cameras) {
+    const auto same = std::ranges::find(problem.cameras, camera.name, &ProblemCamera::name);
+    summaries.push_back(result.cameras[same - problem.cameras.begin()]);
+  }
+  return {result.calibration, result.rms_px, result.variance_factor, summaries, provenance};
 }
 
 std::string text_from_calibration(const CalibrationFile& file) {

@@ -168,5 +168,21 @@ TEST(CalibrationFile, SyntaxErrorsNameTheirLine) {
   EXPECT_THAT(read_message(std::string(1'000'000, '[')), StartsWith("c.json:1: the JSON text ends too early"));
 }
 
+// A camera that could not be calibrated has a summary in the result, but no place in the file.
+TEST(CalibrationFile, LeavesOutCamerasThatWereNotCalibrated) {
+  CalibrationProblem problem;
+  problem.cameras.resize(2);
+  problem.cameras[0].name = "lost";
+  problem.cameras[1].name = "found";
+  CalibrationResult result;
+  result.cameras.resize(2);
+  result.cameras[1].rms_px = 0.25;
+  result.calibration.cameras.resize(1);
+  result.calibration.cameras[0].name = "found";
+  const CalibrationFile file = calibration_file(problem, result);
+  ASSERT_EQ(file.summaries.size(), 1u);
+  EXPECT_EQ(file.summaries[0].rms_px, 0.25);
+}
+
 }  // namespace
 }  // namespace raybundle::testing

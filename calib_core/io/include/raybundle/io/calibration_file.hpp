@@ -9,6 +9,7 @@
 
 #include "raybundle/io/provenance.hpp"
 #include "raybundle/scene/calibration.hpp"
+#include "raybundle/scene/problem.hpp"
 #include "raybundle/scene/result.hpp"
 
 namespace raybundle {
@@ -22,8 +23,9 @@ struct CalibrationFile {
   Provenance provenance;
 };
 
-/// What a result leaves to be saved.
-CalibrationFile calibration_file(const CalibrationResult& result, const Provenance& provenance = {});
+/// What a result leaves to be saved; cameras of the problem that could not be calibrated are not in it.
+CalibrationFile calibration_file(const CalibrationProblem& problem, const CalibrationResult& result,
+                                 const Provenance& provenance = {});
 
 /// The text of calibration.json. Every number is written with the digits that bring back the same bits.
 ///
