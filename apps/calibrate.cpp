@@ -41,7 +41,9 @@ void declare(CLI::App& verb, CalibrateFlags& flags) {
         std::ranges::replace(flag, '_', '-');
         if (flag == "--threads") return;  // detection has the same flag
         const std::string text = *unit == '\0' ? help : fmt::format("{} [{}]", help, unit);
-        verb.add_option(flag, value, text)->capture_default_str();
+        verb.add_option(flag, value, text)->capture_default_str()->each([&job, name](const std::string&) {
+          job.options_given.insert(name);
+        });
       });
 }
 

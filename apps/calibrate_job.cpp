@@ -50,6 +50,21 @@ void take_start(const std::string& path, CalibrationProblem& problem) {
   }
 }
 
+// What the dataset says, unless the job says otherwise.
+CalibrateOptions merged_options(CalibrateOptions options, const CalibrateJob& job) {
+  CalibrateOptions::for_each_option(
+      options, [&]<typename T>(std::string_view name, const char*, const char*, T& value) {
+        if (!job.options_given.contains(std::string(name))) return;
+        CalibrateOptions::for_each_option(
+            job.options, [&]<typename U>(std::string_view other, const char*, const char*, const U& given) {
+              if constexpr (std::is_same_v<T, U>) {
+                if (name == other) value = given;
+              }
+            });
+      });
+  return options;
+}
+
 void require_models(const DetectedImages& images) {
   for (std::size_t c = 0; c < images.observations.models.size(); ++c) {
     if (images.observations.models[c]) continue;
@@ -120,7 +135,7 @@ std::string next_command(const CalibrateJob& job, const Dataset& dataset) {
 
 void run_calibration(const CalibrateJob& job) {
   Dataset dataset = dataset_of(job.input, true);
-  CalibrateOptions options = job.options;
+  CalibrateOptions options = merged_options(dataset.options, job);
   options.threads = job.input.detect.threads;
   require_writable(job.output);
 

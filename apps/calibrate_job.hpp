@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <set>
 #include <string>
 
 #include "input_flags.hpp"
@@ -13,6 +14,7 @@ namespace raybundle::apps {
 struct CalibrateJob {
   InputFlags input;
   CalibrateOptions options;
+  std::set<std::string> options_given;  ///< names of those that override the dataset's
   std::vector<ParameterRule> rules;
   std::string start;  ///< a calibration.json whose values the cameras of the same names start from
   bool predict_corners = true;
