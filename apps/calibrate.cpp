@@ -58,7 +58,7 @@ void add_calibrate_verb(CLI::App& app) {
       "  raybundle calibrate --target chessboard:9x6:25mm --camera left='left*.jpg' --camera right='right*.jpg' "
       "--model brown_conrady -o out\n"
       "The same from a file: raybundle calibrate dataset.toml -o out");
-  verb->callback([flags, &app] {
+  verb->callback([flags] {
     CalibrateJob& job = flags->job;
     add_rules(ParameterRule::Kind::kFixed, flags->fix, job.rules);
     add_rules(ParameterRule::Kind::kFree, flags->free, job.rules);
