@@ -8,6 +8,7 @@
 #include "lens_search.hpp"
 #include "linear_pose.hpp"
 #include "model_fit.hpp"
+#include "parallel_boards.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "start_lens.hpp"
 #include "view_pose.hpp"
@@ -121,6 +122,12 @@ LensVector find_lens(const ProblemCamera& camera, const std::vector<PointsInView
             std::to_string(static_cast<int>(std::min(100 * uncertainty, 999.0))) +
             " %), as boards do that are all parallel to the image; tilt the board by 20 to 45 degrees in some images",
         "camera " + camera.name);
+  }
+  if (all_parallel_to_image(chosen, start.score_px)) {
+    throw Error(ErrorKind::kNotEnoughData,
+                "the board is parallel to the image in all views, so that focal length and distance cannot be told "
+                "apart; tilt the board by 20 to 45 degrees in some images",
+                "camera " + camera.name);
   }
   LensGuess guess;
   guess.parameters = fit_model(camera.model, covered_field(chosen, start), start.parameters);
