@@ -17,30 +17,24 @@ constexpr std::size_t kMostLines = 8;  // of one kind; report.json has them all
 
 double degrees(double radians) { return radians * 180.0 / M_PI; }
 
-// Angle off the axis of the last ray between the principal point and a point of the image border.
-double reach_rad(const Camera& camera, const Eigen::Vector2d& border) {
-  const Eigen::Vector2d centre(camera.cx(), camera.cy());
-  const auto angle_at = [&](double way) -> std::optional<double> {
-    const std::optional<Eigen::Vector3d> ray = ray_from_pixel(camera, centre + way * (border - centre));
-    if (!ray) return std::nullopt;
-    return std::atan2(ray->head<2>().norm(), ray->z());
-  };
-  if (const std::optional<double> angle = angle_at(1.0)) return *angle;
-  double inside = 0.0, outside = 1.0;  // of the model's domain: the image circle of a fisheye ends within the image
-  for (int i = 0; i < 30; ++i) (angle_at(0.5 * (inside + outside)) ? inside : outside) = 0.5 * (inside + outside);
-  return angle_at(inside).value_or(0.0);
-}
-
-std::string field_text(const Camera& camera) {
-  const double width = camera.size.width - 1, height = camera.size.height - 1;
-  const double across = reach_rad(camera, {0, camera.cy()}) + reach_rad(camera, {width, camera.cy()});
-  const double down = reach_rad(camera, {camera.cx(), 0}) + reach_rad(camera, {camera.cx(), height});
-  return fmt::format("{:.0f}° x {:.0f}°", degrees(across), degrees(down));
+// How far off the axis a camera has used corners: where the lens is known and not extrapolated.
+std::string seen_text(const CalibrationProblem& problem, const CalibrationResult& result, int camera,
+                      const Camera& model) {
+  double farthest = 0.0;
+  for (std::size_t v = 0; v < problem.views.size(); ++v) {
+    if (problem.views[v].camera != camera) continue;
+    for (std::size_t i = 0; i < result.views[v].fates.size(); ++i) {
+      if (result.views[v].fates[i] != ObservationFate::kUsed) continue;
+      const auto ray = ray_from_pixel(model, problem.views[v].observations[i].pixel);
+      if (ray) farthest = std::max(farthest, std::atan2(ray->head<2>().norm(), ray->z()));
+    }
+  }
+  return fmt::format("{:.0f}°", degrees(farthest));
 }
 
 std::string camera_table(const CalibrationProblem& problem, const CalibrationResult& result) {
   std::vector<std::vector<std::string>> rows{
-      {"camera", "model", "views", "corners", "left out", "rms px", "median px", "focal px", "field"}};
+      {"camera", "model", "views", "corners", "left out", "rms px", "median px", "focal px", "seen to"}};
   for (std::size_t c = 0; c < problem.cameras.size(); ++c) {
     const CameraSummary& summary = result.cameras[c];
     const std::string& name = problem.cameras[c].name;
@@ -53,7 +47,7 @@ std::string camera_table(const CalibrationProblem& problem, const CalibrationRes
       row.push_back(fmt::format("{:.3f}", summary.median_px));
       row.push_back(
           fmt::format("{:.2f} ± {:.2f}", found->camera.fx(), result.calibration.covariance.sigma(name + ".fx")));
-      row.push_back(field_text(found->camera));
+      row.push_back(seen_text(problem, result, static_cast<int>(c), found->camera));
     }
     rows.push_back(row);
   }
@@ -81,12 +75,30 @@ std::string rig_lines(const CalibrationResult& result) {
   return text;
 }
 
+// How many of the frames that several cameras saw hold them together.
+std::string link_line(const CalibrationProblem& problem, const CalibrationResult& result) {
+  if (result.calibration.cameras.size() < 2) return {};
+  std::map<std::pair<int, int>, std::vector<int>> poses;  // of the views of each frame and board
+  for (std::size_t v = 0; v < problem.views.size(); ++v) {
+    if (result.views[v].pose < 0) continue;
+    poses[{problem.views[v].frame, problem.views[v].target}].push_back(result.views[v].pose);
+  }
+  int shared = 0, linking = 0;
+  for (auto& [board, of_board] : poses) {
+    if (of_board.size() < 2) continue;
+    ++shared;
+    std::ranges::sort(of_board);
+    linking += std::ranges::adjacent_find(of_board) != of_board.end();
+  }
+  return fmt::format("linked by {} of the {} frames in which several cameras saw the board\n", linking, shared);
+}
+
 std::string shape_lines(const CalibrationResult& result) {
   std::string text;
   for (const CalibratedTarget& target : result.calibration.targets) {
     const BoardShape& shape = target.shape;
     if (shape.bend_x_m == 0 && shape.bend_y_m == 0 && shape.twist_m == 0) continue;
-    text += fmt::format("{} is not flat: bend {:.2f} mm along x, {:.2f} mm along y, twist {:.2f} mm (estimated)\n",
+    text += fmt::format("{} is bent, which is allowed for: {:.2f} mm along x, {:.2f} mm along y, twist {:.2f} mm\n",
                         target.target.name, 1e3 * shape.bend_x_m, 1e3 * shape.bend_y_m, 1e3 * shape.twist_m);
   }
   return text;
@@ -103,15 +115,30 @@ void add_limited(std::string& text, const std::string& head, const std::vector<s
 
 std::string summary_text(const CalibrationProblem& problem, const CalibrationResult& result,
                          const std::vector<UnusedImage>& unused) {
-  std::string text = camera_table(problem, result) + rig_lines(result) + shape_lines(result);
-  std::vector<std::string> aside;
+  std::string text =
+      camera_table(problem, result) + rig_lines(result) + link_line(problem, result) + shape_lines(result);
+  std::vector<std::string> views, ties;
   for (const SetAside& entry : result.set_aside) {
-    const char* scope = entry.scope == SetAside::Scope::kExtrinsics ? " (not used to link the cameras)" : "";
-    aside.push_back(fmt::format("{}{}: {}", view_name(problem, problem.views[entry.view]), scope, entry.reason));
+    const TargetView& view = problem.views[entry.view];
+    if (entry.scope == SetAside::Scope::kView) {
+      views.push_back(fmt::format("{}: {}", view_name(problem, view), entry.reason));
+      continue;
+    }
+    const std::string line = fmt::format("frame {}: {}", problem.frames[view.frame], entry.reason);
+    if (std::ranges::find(ties, line) == ties.end()) ties.push_back(line);  // one for each of its views
   }
-  add_limited(text, "set aside:", aside);
-  std::vector<std::string> missing;
-  for (const UnusedImage& image : unused) missing.push_back(fmt::format("{}: {}", image.image, image.reason));
+  add_limited(text, "views set aside:", views);
+  add_limited(text,
+              "frames that calibrate their cameras but do not link them, because the board seems to have moved:", ties);
+  std::map<std::string, int> count_of;
+  std::vector<std::string> misses, missing;
+  for (const UnusedImage& image : unused) {
+    const std::string line = fmt::format("{}: {}", image.image, image.reason);
+    if (++count_of[line] == 1) misses.push_back(line);
+  }
+  for (const std::string& line : misses) {
+    missing.push_back(count_of[line] > 1 ? fmt::format("{} ({} frames)", line, count_of[line]) : line);
+  }
   add_limited(text, fmt::format("{} images without a usable board:", unused.size()), missing);
   for (const std::string& warning : result.warnings) text += "warning: " + warning + "\n";
   return text;

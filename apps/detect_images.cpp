@@ -91,7 +91,8 @@ constexpr const char* kNoBoard = "no board found";
 
 std::string describe_miss(const Detection& detection) {
   if (!detection.hint.empty()) return fmt::format("{}: {}", kNoBoard, detection.hint);
-  if (!detection.observations.empty()) return fmt::format("{}: only {} corners", kNoBoard, detection.observations.size());
+  if (!detection.observations.empty())
+    return fmt::format("{}: only {} corners", kNoBoard, detection.observations.size());
   return kNoBoard;
 }
 
@@ -142,6 +143,7 @@ DetectedImages detect_images(const Dataset& dataset, const DetectOptions& option
       for (std::size_t b = 0; b < frame.boards.size(); ++b) {
         const Detection& detection = frame.boards[b];
         if (!detection.hint.empty()) hints.emplace(words_of(detection.hint), detection.hint);
+        if (!detection.seen_size.empty()) ++images.seen_sizes[detection.seen_size];
         if (detection.observations.size() < kFewestCorners) continue;
         any = true;
         problem.views.push_back({file.camera, index_of(problem.frames, frame.frame), static_cast<int>(b),
@@ -156,7 +158,16 @@ DetectedImages detect_images(const Dataset& dataset, const DetectOptions& option
 }
 
 void require_views(const DetectedImages& images) {
-  if (!images.observations.problem.views.empty()) return;
+  const std::size_t views = images.observations.problem.views.size();
+  const auto often = std::ranges::max_element(images.seen_sizes, {}, [](const auto& entry) { return entry.second; });
+  if (often != images.seen_sizes.end() && static_cast<std::size_t>(often->second) >= views) {
+    throw Error(
+        ErrorKind::kNotEnoughData,
+        fmt::format("{} inner corners of a chessboard are seen in {} of {} images, which is not the board asked "
+                    "for; did you count squares, or miss a row? chessboard:{}:SQUARE would fit",
+                    often->first, often->second, images.files.size(), often->first));
+  }
+  if (views > 0) return;
   const auto unreadable = std::ranges::count_if(
       images.unused, [](const UnusedImage& image) { return !image.reason.starts_with(kNoBoard); });
   std::string message = fmt::format("no board was found in any of {} images", images.files.size());

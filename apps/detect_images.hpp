@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,8 @@ struct DetectedImages {
   ObservationsFile observations;  ///< rules and start values are still to be added to its problem
   std::vector<ImageFile> files;
   std::vector<UnusedImage> unused;
-  std::vector<std::string> hints;  ///< what may be set wrongly, without repetition
+  std::vector<std::string> hints;         ///< what may be set wrongly, without repetition
+  std::map<std::string, int> seen_sizes;  ///< of chessboards that do not fit the one asked for, in how many images
   double seconds = 0.0;
 };
 
@@ -32,7 +34,8 @@ struct DetectOptions {
 /// @throws Error(kBadInput) for images of different sizes in one camera
 DetectedImages detect_images(const Dataset& dataset, const DetectOptions& options);
 
-/// Refuses images without any board.
+/// Refuses images without any board, and images of which as many show another size of board as the one asked for: what
+/// was found in the others is then a misreading.
 ///
 /// @throws Error(kNotEnoughData) with what the images show instead
 void require_views(const DetectedImages& images);

@@ -15,7 +15,7 @@
 namespace raybundle::apps {
 namespace {
 
-constexpr int kDetectorVersion = 3;  // raise it with every change of what a detector returns
+constexpr int kDetectorVersion = 4;  // raise it with every change of what a detector returns
 
 using Json = nlohmann::json;
 
@@ -23,12 +23,13 @@ Json json_from(const Detection& detection) {
   Json points = Json::array();
   for (const Observation& o : detection.observations)
     points.push_back({o.point_id, o.pixel.x(), o.pixel.y(), o.sigma_px});
-  return {{"hint", detection.hint}, {"points", points}};
+  return {{"hint", detection.hint}, {"seen_size", detection.seen_size}, {"points", points}};
 }
 
 Detection detection_from(const Json& json) {
   Detection detection;
   detection.hint = json.at("hint").get<std::string>();
+  detection.seen_size = json.at("seen_size").get<std::string>();
   for (const Json& p : json.at("points")) {
     detection.observations.push_back(
         {p.at(0).get<int>(), {p.at(1).get<double>(), p.at(2).get<double>()}, p.at(3).get<double>()});

@@ -107,9 +107,10 @@ int add_predicted_corners(const Dataset& dataset, const CalibrationResult& resul
     } else if (found.corners.size() >= 4) {
       problem.views.push_back({std::get<0>(key), std::get<1>(key), std::get<2>(key), found.corners, found.image});
       added += static_cast<int>(found.corners.size());
-      std::erase_if(images.unused, [&](const UnusedImage& unused) {
-        return unused.camera == problem.cameras[std::get<0>(key)].name &&
-               unused.frame == problem.frames[std::get<1>(key)];
+      const std::string& camera = problem.cameras[std::get<0>(key)].name;
+      const std::string& frame = problem.frames[std::get<1>(key)];
+      std::erase_if(images.unused, [&camera, &frame](const UnusedImage& unused) {
+        return unused.camera == camera && unused.frame == frame;
       });
     }
   }

@@ -99,7 +99,7 @@ Detection detect_chessboard(const cv::Mat& gray, const Chessboard& board) {
   if (best.observations.empty() && !unplaced.empty()) {
     constexpr int kAnySize = 60;
     grow_lattice(levels[0], unplaced, kAnySize);
-    best.hint = size_hint(unplaced, closed_sides(levels[0], unplaced), board);
+    best = unplaced_lattice(unplaced, closed_sides(levels[0], unplaced), board);
   }
   return best;
 }

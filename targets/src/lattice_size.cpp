@@ -46,7 +46,7 @@ std::optional<Chessboard> larger_board(const Lattice& lattice, const Chessboard&
 }  // namespace
 
 Detection detection_on_lattice(const Lattice& lattice, const LatticeBorders& closed, const Chessboard& board) {
-  if (const auto placed = placed_on_board(lattice, closed, board)) return {*placed, {}};
+  if (const auto placed = placed_on_board(lattice, closed, board)) return {*placed, {}, {}};
   const auto larger = larger_board(lattice, board);
   if (!larger) return {};
   const auto placed = placed_on_board(lattice, closed, *larger);
@@ -68,7 +68,7 @@ Detection detection_on_lattice(const Lattice& lattice, const LatticeBorders& clo
   return part;
 }
 
-std::string size_hint(const Lattice& lattice, const LatticeBorders& closed, const Chessboard& board) {
+Detection unplaced_lattice(const Lattice& lattice, const LatticeBorders& closed, const Chessboard& board) {
   constexpr std::size_t kFewest = 12;
   constexpr int kNarrowest = 3;
   constexpr double kLeastFilled = 0.9;
@@ -85,13 +85,16 @@ std::string size_hint(const Lattice& lattice, const LatticeBorders& closed, cons
   const bool fits = low <= board_low && high <= board_high;
   if (all_closed || !fits) {
     if (low == board_low && high == board_high) return {};
-    return fmt::format("a chessboard of {}{} inner corners is in the image, not {}", all_closed ? "" : "at least ",
-                       seen, asked);
+    return {{},
+            fmt::format("a chessboard of {}{} inner corners is in the image, not {}", all_closed ? "" : "at least ",
+                        seen, asked),
+            seen};
   }
-  return fmt::format(
-      "{} inner corners of a chessboard are in the image, but not where on the {} board they lie: part of the board is "
-      "out of sight, or the board is not {}",
-      seen, asked, asked);
+  return {{},
+          fmt::format("{} inner corners of a chessboard are in the image, but not where on the {} board they lie: part "
+                      "of the board is out of sight, or the board is not {}",
+                      seen, asked, asked),
+          seen};
 }
 
 }  // namespace raybundle

@@ -15,9 +15,9 @@ namespace raybundle {
 /// corner 0, with a hint that says so. Empty when the lattice does not fit, or fits in several ways.
 Detection detection_on_lattice(const Lattice& lattice, const LatticeBorders& closed, const Chessboard& board);
 
-/// Says which size a lattice has that is not placed on the board asked for: the usual cause is a wrong board size.
-/// Empty for a lattice so small or so full of gaps that it may not be a board at all. The sentence holds no number but
+/// Says which size a lattice has that is not placed on the board asked for: the usual cause is a wrong board size. No
+/// hint for a lattice so small or so full of gaps that it may not be a board at all. The sentence holds no number but
 /// the two sizes, so that it is the same for all images of one board.
-std::string size_hint(const Lattice& lattice, const LatticeBorders& closed, const Chessboard& board);
+Detection unplaced_lattice(const Lattice& lattice, const LatticeBorders& closed, const Chessboard& board);
 
 }  // namespace raybundle

@@ -171,7 +171,7 @@ CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOp
   if (solve.ties.unsynchronised) {
     result.warnings.push_back(
         "in most frames the cameras saw the board in different places: they did not expose at the same moment, or the "
-        "board was moving; hold it still or synchronise the cameras, and trust the extrinsics less than their sigmas");
+        "board was moving; hold it still or synchronise the cameras, and trust the sigmas less");
   }
   if (result.termination == Termination::kIterationLimit) {
     result.warnings.push_back("the solve stopped at the limit of iterations before it converged");

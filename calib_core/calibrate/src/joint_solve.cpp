@@ -3,6 +3,8 @@
 #include "joint_solve.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "raybundle/geometry/error.hpp"
 #include "robust_solve.hpp"
@@ -36,6 +38,21 @@ BundleSummary solve_and_review_ties(const CalibrationProblem& problem, BundleSta
   return summary;
 }
 
+// Boards that move between exposures are off by pixels. By more than a fiftieth of the image they are not the same
+// moment at all.
+void refuse_unrelated_images(const CalibrationProblem& problem, const TieReview& ties) {
+  double diagonal_px = std::numeric_limits<double>::infinity();
+  for (const ProblemCamera& camera : problem.cameras) {
+    diagonal_px = std::min(diagonal_px, std::hypot(camera.size.width, camera.size.height));
+  }
+  if (ties.typical_px <= 0.02 * diagonal_px) return;
+  throw Error(ErrorKind::kNotEnoughData,
+              "the cameras saw the board in different places in most frames, typically " +
+                  std::to_string(std::lround(ties.typical_px)) +
+                  " px apart, though each fits by itself; do the images that have the same number belong to the same "
+                  "moment? Check the numbers, or calibrate the cameras one by one");
+}
+
 // The rig from the frames that tie its cameras. Ties of cameras that do not expose together are worth less than the
 // corners and must not bend the lenses: then the intrinsics stay what each camera alone tells.
 BundleSummary solve_rig(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
@@ -47,7 +64,9 @@ BundleSummary solve_rig(const CalibrationProblem& problem, BundleState& state, c
   if (!ties.doubtful) return summary;
   ties.unsynchronised = true;
   state = cameras_alone;
-  return solve_and_review_ties(rig_only, state, options, ties);
+  const BundleSummary rig = solve_and_review_ties(rig_only, state, options, ties);
+  refuse_unrelated_images(problem, ties);
+  return rig;
 }
 
 // Sum of squared whitened residuals of the corners that both states use.

@@ -85,8 +85,12 @@ double quantile(std::vector<double> values, double fraction) {
 
 // Excess beyond which a frame does not tie: of cameras that do not expose together only frames far worse than most.
 double tie_limit(const std::vector<TieCheck>& checks, double tie_sigma, TieReview& review) {
-  std::vector<double> values;
-  for (const TieCheck& check : checks) values.push_back(check.excess);
+  std::vector<double> values, tied_px;
+  for (const TieCheck& check : checks) {
+    values.push_back(check.excess);
+    tied_px.push_back(check.tied_rms_px);
+  }
+  review.typical_px = quantile(tied_px, 0.5);
   const double best = quantile(values, review.share_kept);
   review.doubtful = best > tie_sigma;
   return review.unsynchronised ? 3.0 * quantile(values, 0.5) : std::max(tie_sigma, best);

@@ -14,7 +14,8 @@ namespace raybundle {
 /// What was found of a board in one image. No board is a normal answer: no observations, and a hint when there is one.
 struct Detection {
   std::vector<Observation> observations;  ///< sorted by point id, ids do not repeat
-  std::string hint;  ///< when something is odd: "17 markers seen but no corner: try legacy = true", else empty
+  std::string hint;       ///< when something is odd: "17 markers seen but no corner: try legacy = true", else empty
+  std::string seen_size;  ///< of a chessboard that is there but does not fit the one asked for: 9x6; else empty
 };
 
 /// Finds a board, full or partial, at any distortion. Deterministic; safe to call from several threads.
