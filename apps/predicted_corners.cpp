@@ -45,6 +45,16 @@ const BoardPose* pose_of(const CalibrationResult& result, const std::map<ViewKey
   return other != result.poses.end() ? &*other : nullptr;
 }
 
+// Corners under the ids that the detector gave the view, which the solve may have relabelled.
+std::vector<Observation> as_detected(std::vector<Observation> corners, const Target& target, int symmetry) {
+  if (symmetry < 0) return corners;
+  const std::vector<int>& ids = target.symmetries[symmetry].ids;
+  for (Observation& corner : corners) {
+    corner.point_id = target.points[std::ranges::find(ids, corner.point_id) - ids.begin()].id;
+  }
+  return corners;
+}
+
 // Adds those refined corners that the view does not have yet.
 int add_missing(TargetView& view, const std::vector<Observation>& refined) {
   std::set<int> known;
@@ -103,7 +113,9 @@ int add_predicted_corners(const Dataset& dataset, const CalibrationResult& resul
   for (const auto& [key, found] : refined) {
     const auto view = views.find(key);
     if (view != views.end()) {
-      added += add_missing(problem.views[view->second], found.corners);
+      TargetView& known = problem.views[view->second];
+      const int symmetry = result.views[view->second].symmetry;
+      added += add_missing(known, as_detected(found.corners, problem.targets[known.target], symmetry));
     } else if (found.corners.size() >= 4) {
       problem.views.push_back({std::get<0>(key), std::get<1>(key), std::get<2>(key), found.corners, found.image});
       added += static_cast<int>(found.corners.size());
