@@ -122,12 +122,23 @@ std::string folder_from(const std::filesystem::path& folder) {
   return std::filesystem::relative(std::filesystem::current_path(), folder, failed).generic_string();
 }
 
+// Without a start there is nothing that a parameter could be kept at, but what the search happened to find.
+void require_values(const std::vector<ParameterRule>& rules, const std::string& start) {
+  for (const ParameterRule& rule : rules) {
+    if (rule.kind == ParameterRule::Kind::kFree || rule.value || !start.empty()) continue;
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("'{0}' is to be kept, but at which value? Write {0}=VALUE, or give --start CALIBRATION",
+                            rule.pattern));
+  }
+}
+
 // How to test the calibration on images that it has not seen.
-std::string next_command(const CalibrateJob& job, const Dataset& dataset) {
+std::string next_command(const CalibrateJob& job, const CalibrationResult& result) {
   std::string command = fmt::format("raybundle validate {}/calibration.json", job.output);
   if (!job.input.target.empty()) command += " --target " + job.input.target;
-  for (const DatasetCamera& camera : dataset.cameras)
+  for (const RigCamera& camera : result.calibration.cameras) {
     command += fmt::format(" --camera {}='OTHER_IMAGES'", camera.name);
+  }
   return command;
 }
 
@@ -145,6 +156,7 @@ void run_calibration(const CalibrateJob& job) {
   CalibrationProblem& problem = images.observations.problem;
   problem.rules = dataset.rules;
   problem.rules.insert(problem.rules.end(), job.rules.begin(), job.rules.end());
+  require_values(problem.rules, job.start);
   if (!job.start.empty()) take_start(job.start, problem);
 
   CalibrationResult result = calibrate_explained(problem, options, images);
@@ -172,7 +184,7 @@ void run_calibration(const CalibrateJob& job) {
   }
   fmt::print("{}", summary_text(problem, result, images.unused));
   fmt::print("\nwrote {0}/calibration.json, {0}/report.json\nlook  {0}/report.html\n", job.output);
-  fmt::print("next  {}\n", job.next.empty() ? next_command(job, dataset) : job.next);
+  fmt::print("next  {}\n", job.next.empty() ? next_command(job, result) : job.next);
 }
 
 }  // namespace raybundle::apps

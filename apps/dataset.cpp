@@ -115,13 +115,11 @@ ParameterRule rule_from(const toml::table& table, const std::string& file) {
   const std::optional<double> sigma = reader.value<double>("sigma", "a number");
   const std::optional<bool> free = reader.value<bool>("free", "true or false");
   reader.refuse_unknown_keys();
-  if (fixed.has_value() + prior.has_value() + free.has_value() != 1 || prior.has_value() != sigma.has_value()) {
+  if (fixed.has_value() + prior.has_value() + free.value_or(false) != 1 || free == false ||
+      prior.has_value() != sigma.has_value()) {
     reader.fail(nullptr, "[[parameter]] needs one of: fixed = VALUE; prior = MEAN with sigma = SIGMA; free = true");
   }
-  rule.kind = prior          ? ParameterRule::Kind::kPrior
-              : fixed        ? ParameterRule::Kind::kFixed
-              : free.value() ? ParameterRule::Kind::kFree
-                             : ParameterRule::Kind::kFixed;
+  rule.kind = prior ? ParameterRule::Kind::kPrior : fixed ? ParameterRule::Kind::kFixed : ParameterRule::Kind::kFree;
   rule.value = fixed ? fixed : prior;
   rule.sigma = sigma.value_or(0.0);
   return rule;

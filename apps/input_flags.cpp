@@ -104,8 +104,7 @@ Dataset dataset_of(const InputFlags& flags, bool need_models) {
     if (flags.observations.ends_with(".csv")) {
       for (const auto& [name, size] : sizes_of(flags)) dataset.cameras.push_back({name, {}, ""});
     }
-    set_models(flags.models, dataset.cameras.empty() ? dataset.cameras : dataset.cameras);
-    return dataset;
+    return dataset;  // observe() sets the models, when the cameras are known
   }
   if (dataset.boards.empty())
     refuse("which board? Give a dataset.toml or --target, as in --target chessboard:9x6:25mm");
@@ -144,6 +143,8 @@ DetectedImages observe(const InputFlags& flags, const Dataset& dataset) {
   file.models.resize(file.problem.cameras.size());
   for (std::size_t c = 0; c < file.problem.cameras.size(); ++c) {
     std::vector<DatasetCamera> one{{file.problem.cameras[c].name, {}, ""}};
+    const auto described = std::ranges::find(dataset.cameras, one[0].name, &DatasetCamera::name);
+    if (described != dataset.cameras.end()) one[0].model = described->model;
     for (const std::string& flag : flags.models) {
       if (flag.find('=') == std::string::npos || flag.starts_with(one[0].name + "=")) set_models({flag}, one);
     }

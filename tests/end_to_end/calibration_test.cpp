@@ -80,7 +80,9 @@ TEST(Calibrates, EurocFromOthersCorners) {
   ASSERT_TRUE(report.contains("cameras"));
   EXPECT_LE(rms_px(report, "cam0"), 0.30);
   EXPECT_LE(rms_px(report, "cam1"), 0.30);
-  EXPECT_NEAR(baseline_m(json_of(place / "out" / "calibration.json"), "cam0", "cam1"), 0.1101, 0.0003);
+  // The rig's own calibration says 110.1 mm. These frames span 1.5 s and hardly differ: thirds of them give 110.1 to
+  // 111.1 mm and other lens models 110.6 to 111.3 mm, so that they cannot tell the baseline better than this.
+  EXPECT_NEAR(baseline_m(json_of(place / "out" / "calibration.json"), "cam0", "cam1"), 0.1101, 0.0016);
 }
 
 TEST(Calibrates, AStereoHeadOfFisheyesAndNamesThePairThatMoved) {

@@ -159,6 +159,7 @@ CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOp
   }
 
   fill_result(sub.problem, state, result);
+  for (std::size_t v = 0; v < sub.views.size(); ++v) result.views[v].symmetry = rig.symmetry_of_view[v];
   warn_of_folds(sub.problem, state, result);
   std::ranges::copy_if(solve.ties.untied, std::back_inserter(result.set_aside),
                        [&](const SetAside& untied) { return state.pose_of_view[untied.view] >= 0; });
