@@ -29,8 +29,8 @@ enum class ObservationFate : unsigned char {
 
 /// What became of one view; vectors are aligned with TargetView::observations.
 struct ViewResult {
-  int pose = -1;                              ///< index into CalibrationResult::poses; -1 when set aside
-  int symmetry = -1;                          ///< of Target::symmetries, by which the solve relabelled the view; -1: none
+  int pose = -1;      ///< index into CalibrationResult::poses; -1 when set aside
+  int symmetry = -1;  ///< of Target::symmetries, by which the solve relabelled the view; -1: none
   std::vector<Eigen::Vector2d> residuals_px;  ///< measured minus projected; NaN where there is none
   std::vector<ObservationFate> fates;
   double rms_px = 0.0;  ///< of the used observations: root of the mean squared distance
