@@ -29,7 +29,9 @@ CalibrationResult result_for(const CalibrationProblem& problem) {
   result.calibration.covariance.names[2] = problem.targets[0].name + ".bend_x";
   result.poses = {{0, 0, awkward_rigid3(2)}};
   for (const TargetView& view : problem.views) {
-    ViewResult of_view{0, {}, {}, 0.25};
+    ViewResult of_view;
+    of_view.pose = 0;
+    of_view.rms_px = 0.25;
     of_view.residuals_px.assign(view.observations.size(), {0.1, -0.2});
     of_view.fates.assign(view.observations.size(), ObservationFate::kUsed);
     result.views.push_back(of_view);
