@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -50,7 +51,8 @@ TEST(BoardToml, WholeNumbersAreLengthsToo) {
 }
 
 TEST(BoardToml, AWrittenFileIsReadAgain) {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "board_toml";
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / ("board_toml_" + std::to_string(getpid()));
   std::filesystem::create_directories(folder / "points");
   std::ofstream(folder / "points/nine \"a\".csv") << "0,0,0,0\n1,1,0,0\n2,0,1,0\n3,1,1,0.5\n";
   for (const Board& board : {board_from_word("chessboard:9x6:25mm"),

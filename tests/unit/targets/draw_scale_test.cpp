@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -32,7 +33,7 @@ std::vector<double> edges_along(const cv::Mat& line) {
 
 // The page as an independent program sees it.
 cv::Mat rendered_pdf(const Drawing& drawing, int dpi) {
-  const std::string stem = testing::TempDir() + "draw_scale";
+  const std::string stem = testing::TempDir() + "draw_scale_" + std::to_string(getpid());
   write_file_whole(stem + ".pdf", drawing.bytes);
   const std::string command = "pdftoppm -gray -r " + std::to_string(dpi) + " -singlefile " + stem + ".pdf " + stem;
   if (std::system(command.c_str()) != 0) return {};
