@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The Raybundle authors
 // SPDX-License-Identifier: Apache-2.0
 #include "marker.hpp"
+#include "grey_at.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -47,17 +48,6 @@ bool agree(const Marker& a, const Marker& b, const MarkerLayout& layout) {
   return side.dot(seen_side) > 0.7 * side.norm() * seen_side.norm();
 }
 
-double bilinear(const cv::Mat& gray, const Eigen::Vector2d& pixel) {
-  const int x = static_cast<int>(std::floor(pixel.x()));
-  const int y = static_cast<int>(std::floor(pixel.y()));
-  if (x < 0 || y < 0 || x + 1 >= gray.cols || y + 1 >= gray.rows) return -1.0;
-  const double a = pixel.x() - x;
-  const double b = pixel.y() - y;
-  const auto* top = gray.ptr<std::uint8_t>(y) + x;
-  const auto* bottom = gray.ptr<std::uint8_t>(y + 1) + x;
-  return (1 - b) * ((1 - a) * top[0] + a * top[1]) + b * ((1 - a) * bottom[0] + a * bottom[1]);
-}
-
 // Exact homography of a square with that many cells a side.
 cv::Matx33d image_from_square(const Quad& corners, int cells) {
   const auto side = static_cast<float>(cells);
@@ -85,7 +75,7 @@ std::optional<Cells> sample(const cv::Mat& gray, const Quad& corners, int bits, 
     for (int column = 0; column < cells; ++column) {
       const cv::Vec3d pixel = image_from_cells * cv::Vec3d(column + 0.5, row + 0.5, 1.0);
       if (!(pixel[2] > 0.0)) return std::nullopt;
-      const double value = bilinear(gray, {pixel[0] / pixel[2], pixel[1] / pixel[2]});
+      const double value = grey_at(gray, {pixel[0] / pixel[2], pixel[1] / pixel[2]});
       const int r = row - border_bits;
       const int c = column - border_bits;
       if (r >= 0 && c >= 0 && r < bits && c < bits) {

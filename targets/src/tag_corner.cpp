@@ -8,6 +8,8 @@
 #include <cmath>
 #include <vector>
 
+#include "grey_at.hpp"
+
 namespace raybundle {
 namespace {
 
@@ -15,17 +17,6 @@ constexpr double kFirstShare = 0.08;  // of the side: the part near the corner i
 constexpr double kLastShare = 0.55;   // beyond, a bent side leaves the line
 constexpr double kWeakestStep = 8.0;  // grey values across an edge
 constexpr double kWorstLine_px = 0.5;
-
-double grey_at(const cv::Mat& gray, const Eigen::Vector2d& pixel) {
-  const int x = static_cast<int>(std::floor(pixel.x()));
-  const int y = static_cast<int>(std::floor(pixel.y()));
-  if (x < 0 || y < 0 || x + 1 >= gray.cols || y + 1 >= gray.rows) return -1.0;
-  const double a = pixel.x() - x;
-  const double b = pixel.y() - y;
-  const auto* top = gray.ptr<std::uint8_t>(y) + x;
-  const auto* bottom = gray.ptr<std::uint8_t>(y + 1) + x;
-  return (1 - b) * ((1 - a) * top[0] + a * top[1]) + b * ((1 - a) * bottom[0] + a * bottom[1]);
-}
 
 // Centroid of the positive slope along `outward` through `place`: where dark turns to bright.
 std::optional<double> edge_offset(const cv::Mat& gray, const Eigen::Vector2d& place, const Eigen::Vector2d& outward,
