@@ -102,7 +102,7 @@ SyntheticWorld synthetic_world(const SyntheticOptions& options) {
         const double max_angle =
             with_model(camera.model, []<CameraModel M>() { return M::kExamples[0].half_angle_rad; });
         const double limit = std::min(max_angle, 0.98 * max_angle_rad(camera));
-        TargetView view{static_cast<int>(c), frame, t, {}, {}};
+        TargetView view{static_cast<int>(c), frame, t, {}};
         std::vector<bool> outliers;
         for (std::size_t i = 0; i < points.size(); ++i) {
           const Eigen::Vector3d x = world.camera_from_rig[c] * (rig_from_target * points[i]);

@@ -63,6 +63,40 @@ void check_observation(const Observation& observation, const Target& target, Ima
   }
 }
 
+void check_dots(const TargetView& view, const std::optional<ProblemLaser>& laser, const std::string& where) {
+  if (!view.dots.empty() && !laser) refuse("has laser dots, but the problem has no laser", where);
+  std::set<int> beams;
+  for (std::size_t i = 0; i < view.dots.size(); ++i) {
+    const Dot& dot = view.dots[i];
+    const std::string name = "dot " + std::to_string(i);
+    const Eigen::Matrix2d& covariance = dot.covariance_px2;
+    if (!dot.pixel.allFinite()) refuse(name + " has a pixel that is not a finite number", where);
+    if (!(covariance(0, 0) > 0 && covariance.determinant() > 0 && covariance.allFinite())) {
+      refuse(name + " has a covariance that is not positive definite", where);
+    }
+    if (dot.beam == kUnlabelled) continue;
+    if (!in_range(dot.beam, laser->grid.size())) {
+      refuse(name + " has a label outside of the " + std::to_string(laser->grid.rows) + "x" +
+                 std::to_string(laser->grid.columns) + " beams",
+             where);
+    }
+    if (!beams.insert(dot.beam).second) {
+      refuse("two dots are labelled row " + std::to_string(laser->grid.row(dot.beam)) + ", column " +
+                 std::to_string(laser->grid.column(dot.beam)) + "; a beam makes one dot on a board",
+             where);
+    }
+  }
+}
+
+void check_laser(const CalibrationProblem& problem) {
+  const ProblemLaser& laser = *problem.laser;
+  if (laser.grid.rows < 1 || laser.grid.columns < 1) refuse("the laser's rows and columns must be at least 1", "laser");
+  if (!laser.anchor) return;
+  if (!in_range(laser.anchor->view, problem.views.size()) || !in_range(laser.anchor->beam, laser.grid.size())) {
+    refuse("the anchor names a view or a beam that does not exist", "laser");
+  }
+}
+
 }  // namespace
 
 std::string view_name(const CalibrationProblem& problem, const TargetView& view) {
@@ -74,6 +108,7 @@ std::string view_name(const CalibrationProblem& problem, const TargetView& view)
 void check(const CalibrationProblem& problem) {
   if (problem.cameras.empty()) refuse("the problem has no camera");
   if (problem.targets.empty()) refuse("the problem has no target");
+  if (problem.laser) check_laser(problem);
   std::set<std::string> names;
   for (const ProblemCamera& camera : problem.cameras) {
     check_camera(camera);
@@ -96,6 +131,7 @@ void check(const CalibrationProblem& problem) {
         refuse("point " + std::to_string(observation.point_id) + " is observed twice", where);
       }
     }
+    check_dots(view, problem.laser, where);
   }
   for (const ParameterRule& rule : problem.rules) {
     if (rule.kind == ParameterRule::Kind::kPrior && !(rule.sigma > 0)) {

@@ -72,5 +72,23 @@ TEST(ProblemCheck, NamesTheCameraRuleOrTargetThatIsWrong) {
               HasSubstr("the prior on '*.k1' needs a positive sigma"));
 }
 
+TEST(ProblemCheck, NamesTheDotThatIsWrong) {
+  const auto dotted = [](auto damage) {
+    return message_after([&](CalibrationProblem& problem) {
+      problem.laser = ProblemLaser{{.rows = 3, .columns = 4}, std::nullopt};
+      problem.views[1].dots = {Dot{.beam = 5}, Dot{.beam = 6}, Dot{}};
+      damage(problem);
+    });
+  };
+  const auto first = [](CalibrationProblem& problem) -> Dot& { return problem.views[1].dots[0]; };
+  EXPECT_EQ(dotted([](auto&) {}), "accepted");
+  EXPECT_THAT(dotted([](auto& problem) { problem.laser.reset(); }), ::testing::HasSubstr("has no laser"));
+  EXPECT_THAT(dotted([&](auto& problem) { first(problem).pixel.x() = kNan; }), ::testing::HasSubstr("dot 0"));
+  EXPECT_THAT(dotted([&](auto& problem) { first(problem).covariance_px2(0, 1) = 2; }),
+              ::testing::HasSubstr("not positive definite"));
+  EXPECT_THAT(dotted([&](auto& problem) { first(problem).beam = 12; }), ::testing::HasSubstr("3x4 beams"));
+  EXPECT_THAT(dotted([&](auto& problem) { first(problem).beam = 6; }), ::testing::HasSubstr("row 1, column 2"));
+}
+
 }  // namespace
 }  // namespace raybundle

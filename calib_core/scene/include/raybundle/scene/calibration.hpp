@@ -3,11 +3,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "raybundle/camera/camera.hpp"
 #include "raybundle/geometry/rigid3.hpp"
+#include "raybundle/scene/laser.hpp"
 #include "raybundle/scene/target.hpp"
 
 namespace raybundle {
@@ -40,6 +42,7 @@ struct Calibration {
   std::vector<RigCamera> cameras;  ///< the first one defines the rig frame
   std::vector<CalibratedTarget> targets;
   Covariance covariance;
+  std::optional<LaserPattern> laser;
 };
 
 /// The camera of that name. Throws Error(kBadInput) that lists the names there are.

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "raybundle/scene/laser.hpp"
+
 namespace raybundle {
 
 /// Where a board point was measured in an image.
@@ -21,7 +23,8 @@ struct TargetView {
   int frame = 0;
   int target = 0;
   std::vector<Observation> observations;  ///< point ids do not repeat
-  std::string image;                      ///< path of the image, may be empty
+  std::string image = {};                 ///< path of the image, may be empty
+  std::vector<Dot> dots = {};             ///< laser dots on this board; of one beam at most one
 };
 
 }  // namespace raybundle

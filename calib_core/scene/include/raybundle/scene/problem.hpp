@@ -33,6 +33,19 @@ struct ParameterRule {
   double sigma = 0.0;           ///< of the prior, > 0, in the parameter's unit
 };
 
+/// One dot whose beam is known: it fixes the origin of labels that are otherwise known only up to a shift of the grid.
+struct LaserAnchor {
+  int view = 0;                                     ///< index into CalibrationProblem::views
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< the dot nearest to it is meant [px]
+  int beam = 0;
+};
+
+/// A dot projector, fixed to the rig.
+struct ProblemLaser {
+  LaserGrid grid;
+  std::optional<LaserAnchor> anchor;
+};
+
 /// Everything that is known before the solve: views of boards by cameras, in frames (moments in time).
 struct CalibrationProblem {
   std::vector<ProblemCamera> cameras;  ///< the first one's frame is the rig frame
@@ -40,6 +53,7 @@ struct CalibrationProblem {
   std::vector<std::string> frames;     ///< names of the moments
   std::vector<TargetView> views;       ///< at most one for each camera, frame and target
   std::vector<ParameterRule> rules;
+  std::optional<ProblemLaser> laser;  ///< without it no view has dots
 };
 
 /// Throws Error(kBadInput) naming the first view, camera or rule that breaks an invariant stated in these types:
