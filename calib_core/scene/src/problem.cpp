@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <tuple>
 
@@ -11,6 +12,9 @@
 
 namespace raybundle {
 namespace {
+
+constexpr double kFarthestPoint_m = 1000.0;
+constexpr double kSmallestSigma_px = 1e-6, kLargestSigma_px = 1e6;  // their squares are added up
 
 [[noreturn]] void refuse(const std::string& message, const std::string& where = {}) {
   throw Error(ErrorKind::kBadInput, message, where);
@@ -33,16 +37,56 @@ void check_camera(const ProblemCamera& camera) {
   if (!camera.parameters->allFinite()) refuse("a start parameter is not a finite number", where);
 }
 
+void refuse_points_in_one_place(const Target& target, const std::string& where) {
+  std::map<std::tuple<double, double, double>, int> id_at;
+  for (const TargetPoint& point : target.points) {
+    const Eigen::Vector3d& x = point.x_in_target;
+    const auto [other, is_new] = id_at.try_emplace({x.x(), x.y(), x.z()}, point.id);
+    if (is_new) continue;
+    refuse("points " + std::to_string(other->second) + " and " + std::to_string(point.id) +
+               " lie in the same place; correct one",
+           where);
+  }
+}
+
 void check_target(const Target& target) {
   const std::string where = "target " + target.name;
   if (target.points.size() < 4) refuse("a target needs at least 4 points", where);
   for (std::size_t i = 0; i < target.points.size(); ++i) {
     const TargetPoint& point = target.points[i];
-    if (!point.x_in_target.allFinite()) refuse("point " + std::to_string(point.id) + " is not finite", where);
+    const std::string name = "point " + std::to_string(point.id);
+    if (!point.x_in_target.allFinite()) refuse(name + " is not finite", where);
+    if (point.x_in_target.norm() > kFarthestPoint_m) {
+      refuse(name + " lies more than a kilometre from the board's origin; coordinates are in metres", where);
+    }
     if (i > 0 && target.points[i - 1].id >= point.id) {
-      refuse("points must be sorted by id without repetition; see point " + std::to_string(point.id), where);
+      refuse("points must be sorted by id without repetition; see " + name, where);
     }
   }
+  refuse_points_in_one_place(target, where);
+}
+
+// Width and height mixed up, in the file or in the image size: as given, corners lie outside of the image in number;
+// the other way round all of them lie inside.
+void refuse_swapped_axes(const CalibrationProblem& problem, int camera) {
+  const ImageSize size = problem.cameras[camera].size;
+  const auto outside = [&size](double x, double y) {
+    return !(x > -1.0 && y > -1.0 && x < size.width && y < size.height);
+  };
+  std::size_t as_given = 0, swapped = 0, all = 0;
+  for (const TargetView& view : problem.views) {
+    if (view.camera != camera) continue;
+    for (const Observation& observation : view.observations) {
+      as_given += outside(observation.pixel.x(), observation.pixel.y());
+      swapped += outside(observation.pixel.y(), observation.pixel.x());
+      ++all;
+    }
+  }
+  if (swapped > 0 || as_given < 4 || as_given * 100 < all) return;
+  refuse(std::to_string(as_given) + " of " + std::to_string(all) + " corners lie outside of the " +
+             std::to_string(size.width) + "x" + std::to_string(size.height) +
+             " image, and none would if u and v were swapped; correct the order of the columns, or the image size",
+         "camera " + problem.cameras[camera].name);
 }
 
 // Corners may lie a little outside when they were extrapolated, but not by a whole image.
@@ -52,8 +96,9 @@ void check_observation(const Observation& observation, const Target& target, Ima
     refuse(point + " is not on the board (it has " + std::to_string(target.points.size()) + " points)", where);
   }
   if (!observation.pixel.allFinite()) refuse(point + " has a pixel that is not a finite number", where);
-  if (!(observation.sigma_px > 0) || !std::isfinite(observation.sigma_px)) {
-    refuse(point + " has a sigma that is not positive", where);
+  if (!(observation.sigma_px > 0)) refuse(point + " has a sigma that is not positive", where);
+  if (observation.sigma_px < kSmallestSigma_px || observation.sigma_px > kLargestSigma_px) {
+    refuse(point + " has a sigma that no measurement has; it is in pixels, 1 where nothing is known", where);
   }
   const double x = observation.pixel.x(), y = observation.pixel.y();
   if (x < -0.5 * size.width || x > 1.5 * size.width || y < -0.5 * size.height || y > 1.5 * size.height) {
@@ -71,8 +116,8 @@ void check_dots(const TargetView& view, const std::optional<ProblemLaser>& laser
     const std::string name = "dot " + std::to_string(i);
     const Eigen::Matrix2d& covariance = dot.covariance_px2;
     if (!dot.pixel.allFinite()) refuse(name + " has a pixel that is not a finite number", where);
-    if (!(covariance(0, 0) > 0 && covariance.determinant() > 0 && covariance.allFinite())) {
-      refuse(name + " has a covariance that is not positive definite", where);
+    if (!(covariance(0, 0) > 0 && covariance.determinant() > 0 && covariance == covariance.transpose())) {
+      refuse(name + " has a covariance that is not symmetric and positive definite", where);
     }
     if (dot.beam == kUnlabelled) continue;
     if (!in_range(dot.beam, laser->grid.size())) {
@@ -115,6 +160,7 @@ void check(const CalibrationProblem& problem) {
     if (!names.insert(camera.name).second) refuse("two cameras are called '" + camera.name + "'; rename one");
   }
   std::ranges::for_each(problem.targets, check_target);
+  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) refuse_swapped_axes(problem, c);
   std::set<std::tuple<int, int, int>> seen;
   for (std::size_t i = 0; i < problem.views.size(); ++i) {
     const TargetView& view = problem.views[i];

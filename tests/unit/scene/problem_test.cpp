@@ -84,8 +84,10 @@ TEST(ProblemCheck, NamesTheDotThatIsWrong) {
   EXPECT_EQ(dotted([](auto&) {}), "accepted");
   EXPECT_THAT(dotted([](auto& problem) { problem.laser.reset(); }), ::testing::HasSubstr("has no laser"));
   EXPECT_THAT(dotted([&](auto& problem) { first(problem).pixel.x() = kNan; }), ::testing::HasSubstr("dot 0"));
-  EXPECT_THAT(dotted([&](auto& problem) { first(problem).covariance_px2(0, 1) = 2; }),
-              ::testing::HasSubstr("not positive definite"));
+  EXPECT_THAT(dotted([&](auto& problem) { first(problem).covariance_px2(0, 1) = 0.5; }),
+              ::testing::HasSubstr("symmetric"));
+  EXPECT_THAT(dotted([&](auto& problem) { first(problem).covariance_px2(1, 1) = -1; }),
+              ::testing::HasSubstr("positive definite"));
   EXPECT_THAT(dotted([&](auto& problem) { first(problem).beam = 12; }), ::testing::HasSubstr("3x4 beams"));
   EXPECT_THAT(dotted([&](auto& problem) { first(problem).beam = 6; }), ::testing::HasSubstr("row 1, column 2"));
 }
