@@ -75,7 +75,7 @@ TEST(ProblemCheck, NamesTheCameraRuleOrTargetThatIsWrong) {
 TEST(ProblemCheck, NamesTheDotThatIsWrong) {
   const auto dotted = [](auto damage) {
     return message_after([&](CalibrationProblem& problem) {
-      problem.laser = ProblemLaser{{.rows = 3, .columns = 4}, std::nullopt};
+      problem.laser = ProblemLaser{.grid = {.rows = 3, .columns = 4}};
       problem.views[1].dots = {Dot{.beam = 5}, Dot{.beam = 6}, Dot{}};
       damage(problem);
     });

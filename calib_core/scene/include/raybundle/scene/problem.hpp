@@ -40,10 +40,13 @@ struct LaserAnchor {
   int beam = 0;
 };
 
-/// A dot projector, fixed to the rig.
+/// A dot projector, fixed to the rig. What fixes the origin of the labels is optional; without any of it they count
+/// from the outermost beams that were seen.
 struct ProblemLaser {
   LaserGrid grid;
-  std::optional<LaserAnchor> anchor;
+  std::optional<LaserAnchor> anchor = {};
+  std::optional<int> brightest = {};  ///< the beam that outshines the others, usually order zero
+  std::vector<int> missing = {};      ///< beams that the projector does not make
 };
 
 /// Everything that is known before the solve: views of boards by cameras, in frames (moments in time).
