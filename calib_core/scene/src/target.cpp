@@ -3,7 +3,8 @@
 #include "raybundle/scene/target.hpp"
 
 #include <algorithm>
-#include <cmath>
+
+#include "raybundle/scene/board_surface.hpp"
 
 namespace raybundle {
 
@@ -20,17 +21,10 @@ bool Target::flat() const {
 std::vector<Eigen::Vector3d> shape_basis(const Target& target) {
   std::vector<Eigen::Vector3d> basis(target.points.size(), Eigen::Vector3d::Zero());
   if (target.points.empty() || !target.flat()) return basis;
-  Eigen::Array2d low = target.points.front().x_in_target.head<2>();
-  Eigen::Array2d high = low;
-  for (const TargetPoint& point : target.points) {
-    low = low.min(point.x_in_target.head<2>().array());
-    high = high.max(point.x_in_target.head<2>().array());
-  }
-  const Eigen::Array2d centre = 0.5 * (low + high);
-  const Eigen::Array2d half = (0.5 * (high - low)).max(1e-12);  // a single row of points has no extent across
+  const BoardSurface surface(target);
   for (std::size_t i = 0; i < basis.size(); ++i) {
-    const Eigen::Array2d p = (target.points[i].x_in_target.head<2>().array() - centre) / half;
-    basis[i] << 1 - p.x() * p.x(), 1 - p.y() * p.y(), p.x() * p.y();
+    const Eigen::Vector3d& x = target.points[i].x_in_target;
+    basis[i] = surface.basis(x.x(), x.y());
   }
   return basis;
 }
