@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "raybundle/initialize/beam_start.hpp"
+#include "raybundle/scene/board_surface.hpp"
+
+namespace raybundle {
+
+/// A dot as a point in space: where its camera ray meets the board.
+struct BeamHit {
+  int view = 0;  ///< indices into problem.views and its dots
+  int dot = 0;
+  Eigen::Vector3d x_in_rig = Eigen::Vector3d::Zero();    ///< [m]
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< [m²], of rank two: the point cannot leave the board
+};
+
+/// Hits of all dots of used views, in the order of views and dots. Left out are dots whose ray grazes the board: there
+/// the place along the ray, hence along the beam, is hardly determined.
+std::vector<BeamHit> hits_on_boards(const LaserScene& scene);
+
+/// Squared distance of a hit from a line, in sigmas of the hit plus `line_covariance` [m²] of the line at that place.
+/// About chi-squared with two degrees of freedom when the beam made the dot.
+double squared_sigmas(const Line3& line, const BeamHit& hit,
+                      const Eigen::Matrix3d& line_covariance = Eigen::Matrix3d::Zero());
+
+/// The boards of all views, for lines to meet them.
+class LaserBoards {
+ public:
+  explicit LaserBoards(const LaserScene& scene);
+
+  /// Whether a dot is to be expected: the line meets the board of this view amid its points, and the camera sees it.
+  bool expects_dot(int view, const Line3& line) const;
+
+ private:
+  const LaserScene& scene_;
+  std::vector<BoardSurface> surfaces_;                  // aligned with problem.targets
+  std::vector<std::optional<Rigid3>> target_from_rig_;  // aligned with problem.views
+};
+
+}  // namespace raybundle

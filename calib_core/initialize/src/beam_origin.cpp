@@ -1,0 +1,169 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "beam_origin.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "raybundle/geometry/error.hpp"
+
+namespace raybundle {
+namespace {
+
+using Places = std::vector<std::optional<LatticePlace>>;
+
+struct Shift {
+  int row = 0;
+  int column = 0;
+};
+
+struct Extent {
+  int first = std::numeric_limits<int>::max();
+  int last = std::numeric_limits<int>::min();
+  int count() const { return last - first + 1; }
+};
+
+// Rows or columns in use. One line alone at the rim of its lattice may be a chance alignment and does not count.
+Extent extent_of(const Places& places, int LatticePlace::*coordinate) {
+  constexpr int kMinLines = 2;
+  std::vector<int> values;
+  for (const auto& place : places) {
+    if (place) values.push_back((*place).*coordinate);
+  }
+  Extent extent;
+  for (int value : values) {
+    if (std::ranges::count(values, value) < kMinLines) continue;
+    extent.first = std::min(extent.first, value);
+    extent.last = std::max(extent.last, value);
+  }
+  return extent;
+}
+
+std::optional<int> beam_at(const LaserGrid& grid, const LatticePlace& place, Shift shift) {
+  const int row = place.row + shift.row;
+  const int column = place.column + shift.column;
+  if (row < 0 || row >= grid.rows || column < 0 || column >= grid.columns) return std::nullopt;
+  return grid.index(row, column);
+}
+
+std::string grid_words(int rows, int columns) {
+  return std::to_string(rows) + " rows of " + std::to_string(columns) + " beams";
+}
+
+std::vector<Shift> shifts_into(const LaserGrid& grid, const Extent& rows, const Extent& columns) {
+  std::vector<Shift> shifts;
+  for (int row = 0; row + rows.count() <= grid.rows; ++row) {
+    for (int column = 0; column + columns.count() <= grid.columns; ++column) {
+      shifts.push_back({row - rows.first, column - columns.first});
+    }
+  }
+  return shifts;
+}
+
+const LatticePlace& place_of_anchor(const CalibrationProblem& problem, const std::vector<BeamHit>& hits,
+                                    const std::vector<HitLine>& lines, const Places& places) {
+  constexpr double kNearPx = 30.0;  // a click by hand
+  const LaserAnchor& anchor = *problem.laser->anchor;
+  double nearest = kNearPx;
+  const LatticePlace* found = nullptr;
+  for (std::size_t l = 0; l < lines.size(); ++l) {
+    for (int i : lines[l].hits) {
+      if (!places[l] || hits[i].view != anchor.view) continue;
+      const double distance = (problem.views[anchor.view].dots[hits[i].dot].pixel - anchor.pixel).norm();
+      if (distance >= nearest) continue;
+      nearest = distance;
+      found = &*places[l];
+    }
+  }
+  if (found == nullptr) {
+    throw Error(ErrorKind::kBadInput,
+                "the laser's anchor is not within 30 px of a dot that lines up with others; click on another dot",
+                view_name(problem, problem.views[anchor.view]));
+  }
+  return *found;
+}
+
+// The line whose dots are brightest, by the median over them; nothing when brightness was not measured.
+std::optional<std::size_t> brightest_line(const CalibrationProblem& problem, const std::vector<BeamHit>& hits,
+                                          const std::vector<HitLine>& lines, const Places& places) {
+  double most = 0.0;
+  std::optional<std::size_t> brightest;
+  for (std::size_t l = 0; l < lines.size(); ++l) {
+    if (!places[l]) continue;
+    std::vector<double> values;
+    for (int i : lines[l].hits) values.push_back(problem.views[hits[i].view].dots[hits[i].dot].brightness);
+    std::ranges::nth_element(values, values.begin() + values.size() / 2);
+    const double value = values[values.size() / 2];
+    if (value <= most) continue;
+    most = value;
+    brightest = l;
+  }
+  return brightest;
+}
+
+void transpose(Places& places) {
+  for (auto& place : places) {
+    if (place) std::swap(place->row, place->column);
+  }
+}
+
+}  // namespace
+
+BeamOrigin beam_origin(const CalibrationProblem& problem, const std::vector<BeamHit>& hits,
+                       const std::vector<HitLine>& lines, const Places& given_places) {
+  const ProblemLaser& laser = *problem.laser;
+  Places places = given_places;
+  Extent rows = extent_of(places, &LatticePlace::row);
+  Extent columns = extent_of(places, &LatticePlace::column);
+  if (rows.count() <= laser.grid.columns && columns.count() <= laser.grid.rows &&
+      (rows.count() > laser.grid.rows || columns.count() > laser.grid.columns)) {
+    transpose(places);  // the projector is turned by more than 45 degrees
+    std::swap(rows, columns);
+  }
+  std::vector<Shift> shifts = shifts_into(laser.grid, rows, columns);
+  if (shifts.empty()) {
+    throw Error(ErrorKind::kNotEnoughData, "the dots form " + grid_words(rows.count(), columns.count()) +
+                                               ", more than the " + grid_words(laser.grid.rows, laser.grid.columns) +
+                                               " that the laser is said to have; mend its rows and columns");
+  }
+  BeamOrigin origin{.beam_of_line = std::vector<int>(lines.size(), kUnlabelled),
+                    .reason = "the outermost rows and columns"};
+  const auto keep = [&](const std::string& reason, auto&& agrees) {
+    if (shifts.size() > 1) origin.reason = reason;
+    std::erase_if(shifts, [&](Shift shift) { return !agrees(shift); });
+    if (shifts.empty()) {
+      throw Error(ErrorKind::kBadInput, "no numbering of the dots agrees with " + reason +
+                                            " of the laser; mend the description or leave it out");
+    }
+  };
+  if (laser.anchor) {
+    const LatticePlace& place = place_of_anchor(problem, hits, lines, given_places);
+    const LatticePlace anchored = places == given_places ? place : LatticePlace{place.column, place.row};
+    keep("the anchor", [&](Shift shift) { return beam_at(laser.grid, anchored, shift) == laser.anchor->beam; });
+  }
+  if (laser.brightest) {
+    if (const auto line = brightest_line(problem, hits, lines, places)) {
+      keep("the brightest beam",
+           [&](Shift shift) { return beam_at(laser.grid, *places[*line], shift) == *laser.brightest; });
+    }
+  }
+  if (!laser.missing.empty()) {
+    keep("the missing beams", [&](Shift shift) {
+      return std::ranges::none_of(places, [&](const auto& place) {
+        const std::optional<int> beam = place ? beam_at(laser.grid, *place, shift) : std::nullopt;
+        return beam && std::ranges::count(laser.missing, *beam) > 0;
+      });
+    });
+  }
+  if (shifts.size() > 1) {
+    origin.reason = "nothing: " + grid_words(rows.count(), columns.count()) +
+                    " were seen, taken for the middle ones; name the brightest or a missing beam, or give an anchor";
+  }
+  const Shift shift = shifts[shifts.size() / 2];
+  for (std::size_t l = 0; l < lines.size(); ++l) {
+    if (places[l]) origin.beam_of_line[l] = beam_at(laser.grid, *places[l], shift).value_or(kUnlabelled);
+  }
+  return origin;
+}
+
+}  // namespace raybundle

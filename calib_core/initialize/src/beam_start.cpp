@@ -1,0 +1,154 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/initialize/beam_start.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "beam_hits.hpp"
+#include "beam_lattice.hpp"
+#include "beam_lines.hpp"
+#include "beam_origin.hpp"
+#include "grating_fit.hpp"
+#include "raybundle/geometry/error.hpp"
+
+namespace raybundle {
+namespace {
+
+constexpr double kOnBeam = 25.0;     // squared sigmas up to which a dot may be a beam's
+constexpr double kAmbiguous = 16.0;  // a second beam that is hardly farther off makes the label unsure
+
+using BeamLines = std::map<int, HitLine>;  // by beam
+
+// Lines of the beams that dots are labelled with already.
+BeamLines labelled_lines(const CalibrationProblem& problem, const std::vector<BeamHit>& hits) {
+  BeamLines lines;
+  for (int i = 0; i < static_cast<int>(hits.size()); ++i) {
+    const int beam = problem.views[hits[i].view].dots[hits[i].dot].beam;
+    if (beam != kUnlabelled) lines[beam].hits.push_back(i);
+  }
+  std::erase_if(lines, [](const auto& entry) { return entry.second.hits.size() < 2; });
+  for (auto& [beam, line] : lines) {
+    Eigen::Matrix3Xd points(3, line.hits.size());
+    for (std::size_t i = 0; i < line.hits.size(); ++i) {
+      points.col(static_cast<Eigen::Index>(i)) = hits[line.hits[i]].x_in_rig;
+    }
+    line.line = line_through(points, {}, points.rowwise().mean());
+    refit(hits, line);
+  }
+  return lines;
+}
+
+BeamLines unlabelled_lines(const LaserScene& scene, const std::vector<BeamHit>& hits, std::string& origin_reason) {
+  const std::vector<HitLine> found = lines_through_hits(scene, hits);
+  std::vector<Line3> directions;
+  std::vector<double> weights;
+  for (const HitLine& line : found) {
+    directions.push_back(line.line);
+    weights.push_back(static_cast<double>(line.hits.size()));
+  }
+  const auto places = lattice_places(directions, weights);
+  if (std::ranges::count_if(places, [](const auto& place) { return place.has_value(); }) < 4) {
+    throw Error(ErrorKind::kNotEnoughData,
+                "the laser dots of different board poses do not line up to a grid of beams (" +
+                    std::to_string(hits.size()) + " dots, " + std::to_string(found.size()) +
+                    " lines); take 20 or more poses at distances that differ by half");
+  }
+  const BeamOrigin origin = beam_origin(scene.problem, hits, found, places);
+  origin_reason = origin.reason;
+  BeamLines lines;
+  for (std::size_t l = 0; l < found.size(); ++l) {
+    if (origin.beam_of_line[l] != kUnlabelled) lines[origin.beam_of_line[l]] = found[l];
+  }
+  return lines;
+}
+
+void fit_common_model(const LaserScene& scene, const BeamLines& lines, BeamStart& start) {
+  constexpr double kMaxShareOfPitch = 0.1;  // a projector that is farther from a grating is none
+  const ProblemLaser& laser = *scene.problem.laser;
+  const int size = laser.grid.size();
+  start.zero_order_row = laser.brightest ? laser.grid.row(*laser.brightest) : 0.5 * (laser.grid.rows - 1);
+  start.zero_order_column = laser.brightest ? laser.grid.column(*laser.brightest) : 0.5 * (laser.grid.columns - 1);
+  std::vector<OrderedLine> ordered;
+  for (const auto& [beam, line] : lines) {
+    ordered.push_back(
+        {laser.grid.column(beam) - start.zero_order_column, laser.grid.row(beam) - start.zero_order_row, line.line});
+  }
+  start.lines.resize(size);
+  for (const auto& [beam, line] : lines) start.lines[beam] = line.line;
+  const std::optional<GratingFit> fit = fit_grating(ordered);
+  if (!fit || fit->rms_rad > kMaxShareOfPitch * std::min(fit->grating.column_pitch, fit->grating.row_pitch)) return;
+  start.grating = fit->grating;
+  start.grating_rms_rad = fit->rms_rad;
+  for (int beam = 0; beam < size; ++beam) {
+    if (start.lines[beam] || std::ranges::count(laser.missing, beam) > 0) continue;
+    start.lines[beam] = beam_of_order(fit->grating, laser.grid.column(beam) - start.zero_order_column,
+                                      laser.grid.row(beam) - start.zero_order_row);
+  }
+}
+
+/// A beam that may have made a dot.
+struct Candidate {
+  int beam = kUnlabelled;
+  double squared_sigmas = kOnBeam;
+};
+
+// Each dot goes to the beam that explains it, unless a second one does nearly as well.
+Candidate beam_of_hit(const BeamHit& hit, const BeamLines& fitted, const BeamStart& start) {
+  Candidate best, second;
+  for (int beam = 0; beam < static_cast<int>(start.lines.size()); ++beam) {
+    if (!start.lines[beam]) continue;
+    const Line3& line = *start.lines[beam];
+    const double range = (hit.x_in_rig - line.point).norm();
+    const double unsure_m = fitted.contains(beam) ? 0.0 : start.grating_rms_rad * range;
+    if (distance_between(line, hit.x_in_rig) > 0.1 * hit.x_in_rig.norm()) continue;
+    const Candidate candidate{beam, squared_sigmas(line, hit, unsure_m * unsure_m * Eigen::Matrix3d::Identity())};
+    if (candidate.squared_sigmas < best.squared_sigmas) {
+      second = best;
+      best = candidate;
+    } else if (candidate.squared_sigmas < second.squared_sigmas) {
+      second = candidate;
+    }
+  }
+  const bool ambiguous = second.beam != kUnlabelled && second.squared_sigmas < best.squared_sigmas + kAmbiguous;
+  return ambiguous ? Candidate{} : best;
+}
+
+void label_dots(const LaserScene& scene, const std::vector<BeamHit>& hits, const BeamLines& lines, BeamStart& start) {
+  const std::vector<TargetView>& views = scene.problem.views;
+  std::map<std::pair<int, int>, std::pair<double, int>> taken;  // (view, beam) -> (squared sigmas, hit)
+  std::vector<int> label(hits.size(), kUnlabelled);
+  for (int i = 0; i < static_cast<int>(hits.size()); ++i) {
+    const int known = views[hits[i].view].dots[hits[i].dot].beam;
+    const Candidate candidate = known != kUnlabelled ? Candidate{known, -1.0} : beam_of_hit(hits[i], lines, start);
+    if (candidate.beam == kUnlabelled) continue;
+    const auto [place, fresh] = taken.try_emplace({hits[i].view, candidate.beam}, candidate.squared_sigmas, i);
+    if (!fresh && place->second.first <= candidate.squared_sigmas) continue;
+    if (!fresh) label[place->second.second] = kUnlabelled;
+    place->second = {candidate.squared_sigmas, i};
+    label[i] = candidate.beam;
+  }
+  start.beam_of_dot.resize(views.size());
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    for (const Dot& dot : views[v].dots) start.beam_of_dot[v].push_back(dot.beam);
+  }
+  for (std::size_t i = 0; i < hits.size(); ++i) start.beam_of_dot[hits[i].view][hits[i].dot] = label[i];
+  for (const std::vector<int>& beams : start.beam_of_dot) {
+    start.unlabelled += static_cast<int>(std::ranges::count(beams, kUnlabelled));
+  }
+}
+
+}  // namespace
+
+BeamStart initialize_beams(const LaserScene& scene) {
+  const std::vector<BeamHit> hits = hits_on_boards(scene);
+  BeamStart start;
+  BeamLines lines = labelled_lines(scene.problem, hits);
+  start.origin = "the labels given";
+  if (lines.empty()) lines = unlabelled_lines(scene, hits, start.origin);
+  fit_common_model(scene, lines, start);
+  label_dots(scene, hits, lines, start);
+  return start;
+}
+
+}  // namespace raybundle
