@@ -1,0 +1,184 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Any eight views are enough: on every set of real images and with every sensible model, random subsets of the frames
+// must give the camera that all frames give, or be refused with a reason. The same camera means: over the corners of
+// all frames the projections differ, root mean square and the implied turn removed, by at most 3 sigmas of the
+// difference, whose variance is the sum of both (the subset's is much the larger). A model is sensible for a set when
+// it fits all frames to within a quarter of the best model's residuals.
+// usage: prove_subsets [subsets of each set and model] [set] [model]
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <numeric>
+
+#include "projection.hpp"
+#include "random_rig.hpp"
+#include "raybundle/calibrate/calibrate.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "real_sets.hpp"
+
+namespace {
+
+using namespace raybundle;
+using namespace raybundle::bench;
+
+constexpr std::size_t kFewestFrames = 8;
+constexpr double kSensible = 1.25;  // times the best model's rms
+constexpr double kSigmas = 3.0;
+
+struct Solved {
+  CalibrationResult result;
+  std::vector<std::vector<Eigen::Vector3d>> rays;  // of each camera: those of the corners in use
+};
+
+CalibrationProblem with_model_of(CalibrationProblem problem, std::string_view model) {
+  for (ProblemCamera& camera : problem.cameras) camera.model = *model_named(model);
+  return problem;
+}
+
+CalibrationProblem with_frames(const CalibrationProblem& whole, const std::vector<int>& frames) {
+  CalibrationProblem part = whole;
+  std::erase_if(part.views, [&](const TargetView& view) { return !std::ranges::binary_search(frames, view.frame); });
+  return part;
+}
+
+Solved solve(const CalibrationProblem& problem) {
+  Solved solved{calibrate(problem), std::vector<std::vector<Eigen::Vector3d>>(problem.cameras.size())};
+  for (std::size_t v = 0; v < problem.views.size(); ++v) {
+    const ViewResult& view = solved.result.views[v];
+    if (view.pose < 0) continue;
+    const int camera = problem.views[v].camera;
+    const Rigid3 camera_from_target =
+        camera_named(solved.result.calibration, problem.cameras[camera].name).camera_from_rig *
+        solved.result.poses[view.pose].rig_from_target;
+    for (std::size_t i = 0; i < view.fates.size(); ++i) {
+      if (view.fates[i] != ObservationFate::kUsed) continue;
+      const Observation& observation = problem.views[v].observations[i];
+      const TargetPoint* point = problem.targets[problem.views[v].target].find(observation.point_id);
+      solved.rays[camera].push_back((camera_from_target * point->x_in_target).normalized());
+    }
+  }
+  return solved;
+}
+
+// The block of the covariance that belongs to a camera's intrinsics.
+Eigen::MatrixXd intrinsics_covariance(const Calibration& calibration, const RigCamera& camera) {
+  const std::vector<std::string_view> names = parameter_names(camera.camera.model);
+  std::vector<Eigen::Index> at;
+  for (const std::string_view name : names) {
+    const auto found = std::ranges::find(calibration.covariance.names, camera.name + "." + std::string(name));
+    at.push_back(found - calibration.covariance.names.begin());
+  }
+  return calibration.covariance.matrix(at, at);
+}
+
+// The largest difference of any camera, in sigmas of the difference.
+double difference_sigmas(const CalibrationProblem& problem, const Solved& all, const CalibrationResult& part) {
+  double worst = 0.0;
+  for (const RigCamera& camera : part.calibration.cameras) {
+    const auto c = std::ranges::find(problem.cameras, camera.name, &ProblemCamera::name) - problem.cameras.begin();
+    const RigCamera& reference = camera_named(all.result.calibration, camera.name);
+    const Eigen::MatrixXd covariance = intrinsics_covariance(part.calibration, camera);
+    const double sigma_px = std::hypot(
+        projection_sigma_px(reference.camera, intrinsics_covariance(all.result.calibration, reference), all.rays[c]),
+        projection_sigma_px(camera.camera, covariance, all.rays[c]));
+    worst = std::max(worst, projection_difference_px(reference.camera, camera.camera, all.rays[c]) / sigma_px);
+  }
+  return worst;
+}
+
+std::vector<int> random_frames(const std::vector<int>& frames, Draw& draw) {
+  std::vector<int> chosen = frames;
+  for (std::size_t i = chosen.size() - 1; i > 0; --i) {
+    std::swap(chosen[i], chosen[static_cast<std::size_t>(draw.integer(0, static_cast<int>(i)))]);
+  }
+  chosen.resize(static_cast<std::size_t>(draw.integer(kFewestFrames, static_cast<int>(frames.size()) - 1)));
+  std::ranges::sort(chosen);
+  return chosen;
+}
+
+struct Tally {
+  int same = 0, refused = 0, outside = 0;
+  double worst_sigmas = 0.0;
+};
+
+Tally prove(const std::string& name, const CalibrationProblem& problem, const Solved& all, int subsets) {
+  std::vector<int> frames;
+  for (const TargetView& view : problem.views) frames.push_back(view.frame);
+  std::ranges::sort(frames);
+  frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
+  Tally tally;
+  for (int seed = 0; seed < subsets; ++seed) {
+    Draw draw(static_cast<std::uint64_t>(seed));
+    const std::vector<int> chosen = random_frames(frames, draw);
+    try {
+      const double sigmas = difference_sigmas(problem, all, calibrate(with_frames(problem, chosen)));
+      tally.worst_sigmas = std::max(tally.worst_sigmas, sigmas);
+      if (sigmas <= kSigmas) {
+        ++tally.same;
+        continue;
+      }
+      ++tally.outside;
+      fmt::print("  {}, subset {} of {} frames: off by {:.1f} sigmas\n", name, seed, chosen.size(), sigmas);
+    } catch (const Error& error) {
+      ++tally.refused;
+      fmt::print("  {}, subset {} of {} frames: {}\n", name, seed, chosen.size(), error.what());
+    }
+  }
+  return tally;
+}
+
+// The models that fit a set, with their full solves.
+std::map<std::string, Solved> sensible_models(const CalibrationProblem& problem) {
+  std::map<std::string, Solved> solved;
+  double best = std::numeric_limits<double>::infinity();
+  for (const std::string_view model : model_names()) {
+    try {
+      Solved all = solve(with_model_of(problem, model));
+      if (all.result.calibration.cameras.size() < problem.cameras.size()) continue;
+      best = std::min(best, all.result.rms_px);
+      solved.emplace(model, std::move(all));
+    } catch (const Error& error) {
+      fmt::print("  {} cannot take all frames: {}\n", model, error.what());
+    }
+  }
+  std::erase_if(solved, [&](const auto& entry) { return entry.second.result.rms_px > kSensible * best; });
+  return solved;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int subsets = argc > 1 ? std::max(1, std::atoi(argv[1])) : 20;
+  const std::string only_set = argc > 2 ? argv[2] : "", only_model = argc > 3 ? argv[3] : "";
+  const std::filesystem::path program = std::filesystem::path(argv[0]).parent_path() / "raybundle";
+  std::string table;
+  int outside = 0;
+  for (const RealSet& set : real_sets()) {
+    if (!only_set.empty() && only_set != set.name) continue;
+    const std::optional<CalibrationProblem> observed = observations_of(set, program);
+    if (!observed) continue;
+    for (const auto& [model, all] : sensible_models(*observed)) {
+      if (!only_model.empty() && only_model != model) continue;
+      const CalibrationProblem problem = with_model_of(*observed, model);
+      const Tally tally = prove(set.name + " " + model, problem, all, subsets);
+      table += fmt::format("{:<22} {:<18} {:>6.3f} {:>5} {:>8} {:>8} {:>7.1f}\n", set.name, model, all.result.rms_px,
+                           tally.same, tally.refused, tally.outside, tally.worst_sigmas);
+      outside += tally.outside;
+    }
+  }
+  if (table.empty()) {
+    fmt::print("there are no real images here: RAYBUNDLE_DATA names their folder\n");
+    return 0;
+  }
+  fmt::print("{:<22} {:<18} {:>6} {:>5} {:>8} {:>8} {:>7}\n{}", "set", "model", "rms px", "same", "refused", "outside",
+             "sigmas", table);
+  fmt::print("{} subsets outside of {:g} sigmas; the bar is 0\n", outside, kSigmas);
+  return outside == 0 ? 0 : 1;
+}

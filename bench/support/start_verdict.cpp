@@ -1,0 +1,151 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "start_verdict.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <limits>
+
+#include "projection.hpp"
+#include "raybundle/bundle/information.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/uncertainty/covariance.hpp"
+
+namespace raybundle::bench {
+namespace {
+
+constexpr double kSameCost = 1e-6;         ///< relative
+constexpr double kFewestRightKept = 0.98;  ///< of the right corners; the outlier rule costs 4 in a million
+
+double processor_seconds() {
+  timespec time;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+BundleState state_of(const CalibrationResult& result) {
+  BundleState state;
+  state.cameras.push_back(result.calibration.cameras[0].camera);
+  state.camera_from_rig.resize(1);
+  state.poses = result.poses;
+  state.shapes.push_back(result.calibration.targets[0].shape);
+  for (const ViewResult& view : result.views) {
+    state.pose_of_view.push_back(view.pose);
+    state.fates.push_back(view.fates);
+  }
+  return state;
+}
+
+/// Rays of the right corners through the true camera.
+std::vector<Eigen::Vector3d> right_rays(const RandomRig& rig) {
+  std::vector<Eigen::Vector3d> rays;
+  for (std::size_t v = 0; v < rig.problem.views.size(); ++v) {
+    const TargetView& view = rig.problem.views[v];
+    for (std::size_t i = 0; i < view.observations.size(); ++i) {
+      if (rig.truth.fates[v][i] != ObservationFate::kUsed) continue;
+      const TargetPoint* point = rig.problem.targets[0].find(view.observations[i].point_id);
+      rays.push_back((rig.truth.poses[v].rig_from_target * point->x_in_target).normalized());
+    }
+  }
+  return rays;
+}
+
+bool bent(const BoardShape& shape) { return shape.bend_x_m != 0 || shape.bend_y_m != 0 || shape.twist_m != 0; }
+
+/// Share of the right corners that an answer uses; views that are wrong for the most part may go.
+double right_kept(const RandomRig& rig, const BundleState& answer) {
+  double right = 0.0, kept = 0.0;
+  for (std::size_t v = 0; v < rig.truth.fates.size(); ++v) {
+    const std::vector<ObservationFate>& fates = rig.truth.fates[v];
+    const auto used = static_cast<std::size_t>(std::ranges::count(fates, ObservationFate::kUsed));
+    if (used < 4 || 2 * used <= fates.size() + 1) continue;
+    right += static_cast<double>(used);
+    for (std::size_t i = 0; i < fates.size(); ++i) {
+      kept += fates[i] == ObservationFate::kUsed && answer.fates[v][i] == ObservationFate::kUsed;
+    }
+  }
+  return right > 0 ? kept / right : 1.0;
+}
+
+/// The cost that a start from the truth reaches with the corners that the answer uses.
+double truth_cost_of(const RandomRig& rig, const BundleState& answer) {
+  BundleState state = rig.truth;
+  state.fates = answer.fates;
+  for (std::size_t v = 0; v < state.pose_of_view.size(); ++v) {
+    if (answer.pose_of_view[v] < 0) state.pose_of_view[v] = -1;
+  }
+  const BundleOptions options{.estimate_shape = bent(answer.shapes[0]), .max_iterations = 500};
+  return solve_bundle(rig.problem, state, options).final_cost;
+}
+
+template <typename... Values>
+std::string text(const char* format, Values... values) {
+  char buffer[200];
+  std::snprintf(buffer, sizeof buffer, format, values...);
+  return buffer;
+}
+
+}  // namespace
+
+TruthStart start_from_truth(const RandomRig& rig) {
+  TruthStart start{.optimum = rig.truth};
+  start.cost = solve_bundle(rig.problem, start.optimum, {.max_iterations = 500}).final_cost;
+  start.projection_sigma_px = std::numeric_limits<double>::infinity();
+  ReducedInformation information = reduced_information(rig.problem, start.optimum);
+  information.chi2 = std::max(0, information.residuals - information.parameters);  // the noise is known
+  const CovarianceResult known = covariance(information);
+  if (known.unseen) return start;
+  const Camera& camera = start.optimum.cameras[0];
+  start.projection_sigma_px = bench::projection_sigma_px(camera, known.covariance.matrix, right_rays(rig));
+  start.determined = start.projection_sigma_px < kUndeterminedShare * std::max(camera.size.width, camera.size.height);
+  return start;
+}
+
+double projection_error_px(const RandomRig& rig, const Camera& camera) {
+  return projection_difference_px(rig.truth.cameras[0], camera, right_rays(rig));
+}
+
+double cost_of(const CalibrationProblem& problem, const BundleState& state) {
+  double cost = 0.0;
+  for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
+    if (state.pose_of_view[v] < 0) continue;
+    const std::vector<Eigen::Vector2d> residuals = view_residuals(problem, state, v);
+    for (std::size_t i = 0; i < residuals.size(); ++i) {
+      if (state.fates[v][i] != ObservationFate::kUsed) continue;
+      const double sigma = problem.views[v].observations[i].sigma_px;
+      cost += 0.5 * residuals[i].squaredNorm() / (sigma * sigma);
+    }
+  }
+  return std::isnan(cost) ? std::numeric_limits<double>::infinity() : cost;
+}
+
+Judgement judge_start(const RandomRig& rig, const TruthStart& truth) {
+  Judgement judgement;
+  CalibrateOptions options;
+  options.threads = 1;
+  const double begin = processor_seconds();
+  try {
+    const CalibrationResult result = calibrate(rig.problem, options);
+    judgement.seconds = processor_seconds() - begin;
+    const BundleState answer = state_of(result);
+    const double cost = cost_of(rig.problem, answer);
+    const double from_truth = truth_cost_of(rig, answer);
+    const double kept = right_kept(rig, answer);
+    judgement.error_sigmas = projection_error_px(rig, answer.cameras[0]) / truth.projection_sigma_px;
+    const bool reached = cost <= from_truth * (1.0 + kSameCost) + 1e-9 && kept >= kFewestRightKept;
+    if (!reached) judgement.verdict = truth.determined ? Verdict::kElsewhere : Verdict::kUndeterminedAnswer;
+    judgement.why =
+        text("cost %.8g, from the truth %.8g, %.1f %% of the right corners used, off the truth by %.1f sigma%s", cost,
+             from_truth, 100 * kept, judgement.error_sigmas, bent(answer.shapes[0]) ? ", board bent" : "");
+  } catch (const Error& error) {
+    judgement.seconds = processor_seconds() - begin;
+    const bool right = error.kind() == ErrorKind::kNotEnoughData && !truth.determined;
+    judgement.verdict = right ? Verdict::kRefusedRightly : Verdict::kRefusedWrongly;
+    judgement.why = error.what();
+  }
+  return judgement;
+}
+
+}  // namespace raybundle::bench
