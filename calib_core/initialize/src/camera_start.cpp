@@ -20,15 +20,19 @@ namespace {
 constexpr double kFitPx = 3.0;              ///< a corner fits a good lens within this
 constexpr std::size_t kSearchViews = 16;    ///< for the sweep
 constexpr std::size_t kSearchCorners = 30;  ///< of each of them
-constexpr std::size_t kRefineViews = 40;    ///< for the last refinement
-constexpr std::size_t kRefineCorners = 60;
+constexpr std::size_t kRefineViews = 32;    ///< for the last refinement
+constexpr std::size_t kRefineCorners = 40;
+constexpr double kShareOfViews = 0.7;  ///< a lens under which fewer views fit is looked for once more, thoroughly
 constexpr double kMaxFocalUncertainty = 0.2;  ///< relative; what is left to chance beyond this is not a start
 
 /// The views of a camera with their corners.
 struct CameraViews {
   std::vector<int> index;  ///< into problem.views
   std::vector<PointsInView> corners;
+  std::vector<bool> usable;  ///< for a pose
 };
+
+bool usable(const PointsInView& view) { return view.points.size() >= 4 && !principal_frame(view.points).collinear(); }
 
 CameraViews views_of(const CalibrationProblem& problem, int camera) {
   CameraViews views;
@@ -36,11 +40,10 @@ CameraViews views_of(const CalibrationProblem& problem, int camera) {
     if (problem.views[v].camera != camera) continue;
     views.index.push_back(static_cast<int>(v));
     views.corners.push_back(points_in_view(problem.targets[problem.views[v].target], problem.views[v]));
+    views.usable.push_back(usable(views.corners.back()));
   }
   return views;
 }
-
-bool usable(const PointsInView& view) { return view.points.size() >= 4 && !principal_frame(view.points).collinear(); }
 
 /// Rays of the corners that the start lens explains, and where it puts them.
 PointsInView covered_field(const std::vector<PointsInView>& views, const LensGuess& guess) {
@@ -67,8 +70,10 @@ void polish(ModelId model, const std::vector<PointsInView>& views, LensGuess& gu
   for (int round = 0; round < 3; ++round) {
     LensBundleOptions options = model_options(model, guess.parameters, std::max(1.5, 4.0 * guess.score_px));
     options.max_iterations = 10;
-    refine_lens(lens, views, options, guess.parameters, guess.poses);
+    const int iterations = refine_lens(lens, views, options, guess.parameters, guess.poses).iterations;
+    const double before = guess.score_px;
     guess.score_px = robust_score(lens, guess.parameters.data(), views, guess.poses);
+    if (iterations < options.max_iterations && guess.score_px > 0.98 * before) break;
   }
 }
 
@@ -78,71 +83,46 @@ std::vector<PointsInView> selection(const std::vector<PointsInView>& views, std:
   return selected;
 }
 
-/// Poses of all views under a lens: RANSAC at a threshold for each, infinite score where there is none.
-std::vector<std::optional<ViewPose>> all_poses(const LensFunctions& lens, const LensVector& parameters,
-                                               const std::vector<PointsInView>& views, double threshold_px) {
-  std::vector<std::optional<ViewPose>> poses;
-  for (const PointsInView& view : views) {
-    poses.push_back(usable(view) ? view_pose(lens, parameters.data(), view, threshold_px) : std::nullopt);
-  }
-  return poses;
-}
-
 /// A corner fits within this [px]: 3 px, or more for a model that leaves large residuals everywhere.
 double fit_threshold(const std::vector<std::optional<ViewPose>>& poses) {
   std::vector<double> medians;
   for (const auto& pose : poses) {
     if (pose && std::isfinite(pose->median_px)) medians.push_back(pose->median_px);
   }
-  return medians.empty() ? kFitPx : std::clamp(5.0 * quantile(medians, 0.5), kFitPx, 50.0);
+  return medians.empty() ? kFitPx : std::clamp(5.0 * median(medians), kFitPx, 50.0);
 }
 
-/// The lens from the views alone, in the model asked for.
-LensVector find_lens(const ProblemCamera& camera, const std::vector<PointsInView>& all) {
-  std::vector<PointsInView> views;
-  for (const PointsInView& view : all) {
-    if (usable(view)) views.push_back(view);
-  }
-  if (views.size() < 3) {
-    throw Error(ErrorKind::kNotEnoughData,
-                "only " + std::to_string(views.size()) + " of " + std::to_string(all.size()) +
-                    " views show four corners or more, and a lens needs three; take more images of the board",
-                "camera " + camera.name);
-  }
-  std::vector<PointsInView> chosen;
-  for (const std::size_t v : spread_views(views, kSearchViews)) {
-    chosen.push_back(thinned(screened(views[v]), kSearchCorners));
-  }
-  const LensGuess start = search_lens(chosen, camera.size).front();
-  const double uncertainty = focal_uncertainty(chosen, camera.size, start);
+/// Why the views leave the lens open under this guess; empty when they do not.
+std::string reason_against_lens(const std::vector<PointsInView>& views, ImageSize size, const LensGuess& guess) {
+  const double uncertainty = focal_uncertainty(views, size, guess);
   if (!(uncertainty < kMaxFocalUncertainty)) {
-    throw Error(
-        ErrorKind::kNotEnoughData,
-        "the views leave the focal length open (to about " +
-            std::to_string(static_cast<int>(std::min(100 * uncertainty, 999.0))) +
-            " %), as boards do that are all parallel to the image; tilt the board by 20 to 45 degrees in some images",
-        "camera " + camera.name);
+    return "the views leave the focal length open (to about " +
+           std::to_string(static_cast<int>(std::min(100 * uncertainty, 999.0))) +
+           " %), as boards do that are all parallel to the image; tilt the board by 20 to 45 degrees in some images";
   }
-  if (all_parallel_to_image(chosen, start.score_px)) {
-    throw Error(ErrorKind::kNotEnoughData,
-                "the board is parallel to the image in all views, so that focal length and distance cannot be told "
-                "apart; tilt the board by 20 to 45 degrees in some images",
-                "camera " + camera.name);
+  if (all_parallel_to_image(views, guess.score_px)) {
+    return "the board is parallel to the image in all views, so that focal length and distance cannot be told "
+           "apart; tilt the board by 20 to 45 degrees in some images";
   }
+  return {};
+}
+
+/// The start lens's rays in the model asked for, on the views that it was found with and then on more of them.
+LensVector lens_in_model(ModelId model, const std::vector<PointsInView>& views, const std::vector<PointsInView>& chosen,
+                         const LensGuess& start) {
   LensGuess guess;
-  guess.parameters = fit_model(camera.model, covered_field(chosen, start), start.parameters);
-  const LensFunctions lens = lens_functions(camera.model);
+  guess.parameters = fit_model(model, covered_field(chosen, start), start.parameters);
+  const LensFunctions lens = lens_functions(model);
   guess.poses = start.poses;
   guess.score_px = robust_score(lens, guess.parameters.data(), chosen, guess.poses);
-  polish(camera.model, chosen, guess);
+  polish(model, chosen, guess);
 
   // Once more with more views, those that fit.
-  std::vector<PointsInView> more = selection(views, kRefineViews, kRefineCorners);
   const double threshold = std::clamp(5.0 * guess.score_px, kFitPx, 50.0);
   LensGuess last;
   last.parameters = guess.parameters;
   std::vector<PointsInView> fitting;
-  for (const PointsInView& view : more) {
+  for (const PointsInView& view : selection(views, kRefineViews, kRefineCorners)) {
     const auto pose = view_pose(lens, guess.parameters.data(), view, threshold);
     if (!reason_against(pose, view, threshold).empty()) continue;
     fitting.push_back(view);
@@ -150,8 +130,68 @@ LensVector find_lens(const ProblemCamera& camera, const std::vector<PointsInView
   }
   if (fitting.size() < 3) return guess.parameters;
   last.score_px = robust_score(lens, last.parameters.data(), fitting, last.poses);
-  polish(camera.model, fitting, last);
+  polish(model, fitting, last);
   return last.parameters;
+}
+
+/// What a lens makes of the views.
+struct PosedViews {
+  LensVector lens;
+  std::vector<std::optional<ViewPose>> poses;
+  double threshold_px = kFitPx;
+  std::vector<std::string> reasons;  ///< why a view has no pose; empty where it has one
+
+  std::size_t posed() const { return static_cast<std::size_t>(std::ranges::count(reasons, std::string())); }
+};
+
+/// Poses of all views under a lens; the threshold follows how well the lens fits.
+PosedViews posed_views(ModelId model, const LensVector& parameters, const CameraViews& views) {
+  const LensFunctions lens = lens_functions(model);
+  PosedViews posed;
+  posed.lens = parameters;
+  for (std::size_t i = 0; i < views.corners.size(); ++i) {
+    posed.poses.push_back(views.usable[i] ? view_pose(lens, parameters.data(), views.corners[i], 2 * kFitPx)
+                                          : std::nullopt);
+  }
+  posed.threshold_px = fit_threshold(posed.poses);
+  for (std::size_t i = 0; i < views.corners.size(); ++i) {
+    std::optional<ViewPose>& pose = posed.poses[i];
+    if (pose) judge(*pose, posed.threshold_px);
+    if (views.usable[i] && !(pose && pose->fitting >= corners_needed(views.corners[i].points.size()))) {
+      pose = ransac_view_pose(lens, parameters.data(), views.corners[i], posed.threshold_px);
+    }
+    const bool fits = pose && pose->fitting >= corners_needed(views.corners[i].points.size());
+    posed.reasons.push_back(fits ? std::string() : reason_against(pose, views.corners[i], posed.threshold_px));
+  }
+  return posed;
+}
+
+/// Lens and poses from the views alone, in the model asked for.
+PosedViews find_lens(const ProblemCamera& camera, const CameraViews& all) {
+  std::vector<PointsInView> views;
+  for (std::size_t i = 0; i < all.corners.size(); ++i) {
+    if (all.usable[i]) views.push_back(all.corners[i]);
+  }
+  if (views.size() < 3) {
+    throw Error(ErrorKind::kNotEnoughData,
+                "only " + std::to_string(views.size()) + " of " + std::to_string(all.corners.size()) +
+                    " views show four corners or more, and a lens needs three; take more images of the board",
+                "camera " + camera.name);
+  }
+  std::vector<PointsInView> chosen;
+  for (const std::size_t v : spread_views(views, kSearchViews)) chosen.push_back(screened(views[v], kSearchCorners));
+
+  std::optional<PosedViews> quick;
+  const auto first = search_lens_quickly(chosen, camera.size);
+  if (first && reason_against_lens(chosen, camera.size, *first).empty()) {
+    quick = posed_views(camera.model, lens_in_model(camera.model, views, chosen, *first), all);
+    if (static_cast<double>(quick->posed()) >= kShareOfViews * static_cast<double>(views.size())) return *quick;
+  }
+  const LensGuess start = search_lens(chosen, camera.size);
+  const std::string reason = reason_against_lens(chosen, camera.size, start);
+  if (!reason.empty()) throw Error(ErrorKind::kNotEnoughData, reason, "camera " + camera.name);
+  PosedViews thorough = posed_views(camera.model, lens_in_model(camera.model, views, chosen, start), all);
+  return quick && quick->posed() > thorough.posed() ? *quick : thorough;
 }
 
 }  // namespace
@@ -159,21 +199,17 @@ LensVector find_lens(const ProblemCamera& camera, const std::vector<PointsInView
 CameraStart initialize_camera(const CalibrationProblem& problem, int camera) {
   const ProblemCamera& wanted = problem.cameras[camera];
   const CameraViews views = views_of(problem, camera);
-  const LensFunctions lens = lens_functions(wanted.model);
-  const LensVector parameters = wanted.parameters ? LensVector(*wanted.parameters) : find_lens(wanted, views.corners);
-
-  std::vector<std::optional<ViewPose>> poses = all_poses(lens, parameters, views.corners, 2 * kFitPx);
-  const double threshold = fit_threshold(poses);
-  if (threshold != 2 * kFitPx) poses = all_poses(lens, parameters, views.corners, threshold);
+  const PosedViews posed =
+      wanted.parameters ? posed_views(wanted.model, *wanted.parameters, views) : find_lens(wanted, views);
 
   CameraStart start;
-  start.camera = {wanted.model, wanted.size, parameters};
+  start.camera = {wanted.model, wanted.size, posed.lens};
   start.camera_from_target.resize(problem.views.size());
   start.reasons.resize(problem.views.size());
   for (std::size_t i = 0; i < views.index.size(); ++i) {
     const int v = views.index[i];
-    start.reasons[v] = reason_against(poses[i], views.corners[i], threshold);
-    if (start.reasons[v].empty()) start.camera_from_target[v] = poses[i]->camera_from_target;
+    start.reasons[v] = posed.reasons[i];
+    if (start.reasons[v].empty()) start.camera_from_target[v] = posed.poses[i]->camera_from_target;
   }
   return start;
 }

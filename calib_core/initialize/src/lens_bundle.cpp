@@ -7,8 +7,6 @@
 #include <cmath>
 #include <limits>
 
-#include "raybundle/geometry/rotation.hpp"
-
 namespace raybundle {
 namespace {
 
@@ -42,19 +40,43 @@ double view_cost(const LensFunctions& lens, const double* parameters, const Poin
   return cost;
 }
 
+constexpr int kMaxColumns = kMaxLensParameters + 7;
+
+/// Sums JᵀJ of rows [lens | pose | error], upper triangle; plain arrays, because nothing here is large.
+class RowSums {
+ public:
+  explicit RowSums(int columns) : columns_(columns) {
+    for (int a = 0; a < columns; ++a) std::fill_n(sums_[a], columns, 0.0);
+  }
+
+  void add(double weight, const double* u, const double* v) {
+    for (int a = 0; a < columns_; ++a) {
+      const double weighted_u = weight * u[a];
+      const double weighted_v = weight * v[a];
+      double* row = sums_[a];
+      for (int b = a; b < columns_; ++b) row[b] += weighted_u * u[b] + weighted_v * v[b];
+    }
+  }
+
+  double operator()(int a, int b) const { return a <= b ? sums_[a][b] : sums_[b][a]; }
+
+ private:
+  int columns_;
+  double sums_[kMaxColumns][kMaxColumns];
+};
+
 void view_equations(const LensFunctions& lens, const double* parameters, const PointsInView& view, const Rigid3& pose,
                     double scale2, const LensBundleOptions& options, ViewEquations& equations) {
   const int n = lens.parameters;
-  equations.lens.setZero(n, n);
-  equations.lens_right.setZero(n);
-  equations.cross.setZero(n, 6);
-  equations.pose.setZero();
-  equations.pose_right.setZero();
+  const int of_lens = options.lens_fixed ? 0 : n;
+  const int of_pose = options.poses_fixed ? 0 : 6;
+  const int error_column = of_lens + of_pose;
+  RowSums sums(error_column + 1);
   const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
   Eigen::Vector2d pixel;
   Eigen::Matrix<double, 2, 3, Eigen::RowMajor> wrt_ray;
   double wrt_parameters[2 * kMaxLensParameters];
-  const Eigen::Map<Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::RowMajor>> jacobian(wrt_parameters, 2, n);
+  double rows[2][kMaxColumns];
   for (std::size_t i = 0; i < view.points.size(); ++i) {
     const Eigen::Vector3d arm = rotation * view.points[i];
     if (!lens.project_with_jacobians(parameters, arm + pose.translation, pixel, wrt_ray, wrt_parameters)) continue;
@@ -62,18 +84,34 @@ void view_equations(const LensFunctions& lens, const double* parameters, const P
     const double damping = scale2 / (scale2 + error.squaredNorm());
     const double weight = damping * damping;
     if (!(weight > 1e-12)) continue;
-    Eigen::Matrix<double, 2, 6> wrt_pose;
-    wrt_pose.leftCols<3>() = -wrt_ray * skew(arm);
-    wrt_pose.rightCols<3>() = wrt_ray;
-    if (!options.lens_fixed) {
-      const Eigen::Matrix<double, Eigen::Dynamic, 2, 0, kMaxLensParameters, 2> weighted = weight * jacobian.transpose();
-      equations.lens.noalias() += weighted * jacobian;
-      equations.lens_right.noalias() -= weighted * error;
-      equations.cross.noalias() += weighted * wrt_pose;
+    for (int axis = 0; axis < 2; ++axis) {
+      double* row = rows[axis];
+      std::copy_n(wrt_parameters + axis * n, of_lens, row);
+      if (of_pose > 0) {
+        const double* slope = wrt_ray.data() + 3 * axis;  // by the rotation: arm × slope
+        double* turn = row + of_lens;
+        turn[0] = arm[1] * slope[2] - arm[2] * slope[1];
+        turn[1] = arm[2] * slope[0] - arm[0] * slope[2];
+        turn[2] = arm[0] * slope[1] - arm[1] * slope[0];
+        std::copy_n(slope, 3, turn + 3);
+      }
+      row[error_column] = error[axis];
     }
-    if (options.poses_fixed) continue;
-    equations.pose.noalias() += weight * wrt_pose.transpose() * wrt_pose;
-    equations.pose_right.noalias() -= weight * wrt_pose.transpose() * error;
+    sums.add(weight, rows[0], rows[1]);
+  }
+  equations.lens.setZero(n, n);
+  equations.lens_right.setZero(n);
+  equations.cross.setZero(n, 6);
+  for (int a = 0; a < of_lens; ++a) {
+    for (int b = 0; b < of_lens; ++b) equations.lens(a, b) = sums(a, b);
+    for (int b = 0; b < of_pose; ++b) equations.cross(a, b) = sums(a, of_lens + b);
+    equations.lens_right[a] = -sums(a, error_column);
+  }
+  equations.pose.setZero();
+  equations.pose_right.setZero();
+  for (int a = 0; a < of_pose; ++a) {
+    for (int b = 0; b < of_pose; ++b) equations.pose(a, b) = sums(of_lens + a, of_lens + b);
+    equations.pose_right[a] = -sums(of_lens + a, error_column);
   }
 }
 
@@ -141,10 +179,11 @@ bool solve_step(const std::vector<ViewEquations>& equations, const LensBundleOpt
       Matrix6 pose = view.pose;
       damp(pose, lambda);
       factors.emplace_back(pose);
+      if (options.lens_fixed) continue;
       const Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMaxLensParameters> solved =
           factors.back().solve(view.cross.transpose());
-      normal.noalias() -= view.cross * solved;
-      right.noalias() -= solved.transpose() * view.pose_right;
+      normal.noalias() -= view.cross.lazyProduct(solved);
+      right.noalias() -= solved.transpose().lazyProduct(view.pose_right);
     }
   }
   if (options.lens_fixed) {
@@ -167,7 +206,7 @@ LensMatrix reduced_information(const std::vector<ViewEquations>& equations, int 
     damp(pose, 1e-12);
     const Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMaxLensParameters> solved =
         pose.llt().solve(view.cross.transpose());
-    information.noalias() -= view.cross * solved;
+    information.noalias() -= view.cross.lazyProduct(solved);
   }
   return information;
 }
@@ -224,6 +263,7 @@ LensBundleSummary refine_lens(const LensFunctions& lens, const std::vector<Point
     }
     if (!improved || converged) break;
   }
+  if (!options.with_information) return summary;
   linearise();
   summary.information = reduced_information(equations, lens.parameters, options.poses_fixed);
   return summary;
@@ -240,13 +280,6 @@ void pixel_distances(const LensFunctions& lens, const double* parameters, const 
     const double distance = (pixel - view.pixels[i]).norm();
     if (std::isfinite(distance)) distances_px[i] = distance;
   }
-}
-
-double quantile(std::vector<double>& values, double share) {
-  if (values.empty()) return std::numeric_limits<double>::infinity();
-  const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + rank, values.end());
-  return values[static_cast<std::size_t>(rank)];
 }
 
 }  // namespace raybundle

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "raybundle/camera/camera.hpp"
+#include "raybundle/geometry/quantile.hpp"
 #include "raybundle/geometry/rigid3.hpp"
 
 namespace raybundle {
@@ -64,15 +65,16 @@ struct LensBundleOptions {
   int max_iterations = 20;
   bool poses_fixed = false;
   bool lens_fixed = false;
-  LensVector prior_mean;       ///< empty: no priors
-  LensVector prior_weight;     ///< 1 / sigma of each parameter in units of 1 px of residual; 0: free
-  double aspect_weight = 0.0;  ///< 1 / sigma of fy / fx - 1
+  bool with_information = false;  ///< fill LensBundleSummary::information
+  LensVector prior_mean;          ///< empty: no priors
+  LensVector prior_weight;        ///< 1 / sigma of each parameter in units of 1 px of residual; 0: free
+  double aspect_weight = 0.0;     ///< 1 / sigma of fy / fx - 1
 };
 
 struct LensBundleSummary {
   double cost = 0.0;  ///< robust, [px²], priors included
   int iterations = 0;
-  LensMatrix information;  ///< about the parameters after the poses have been eliminated, without the priors
+  LensMatrix information;  ///< when asked for: about the parameters, poses eliminated, without the priors
 };
 
 /// Robust Levenberg-Marquardt over a lens and its board poses, in place; poses eliminated by Schur complement. Small
@@ -83,8 +85,5 @@ LensBundleSummary refine_lens(const LensFunctions& lens, const std::vector<Point
 /// Distances [px] of a view's corners from where the lens puts them; infinite where it does not project them.
 void pixel_distances(const LensFunctions& lens, const double* parameters, const PointsInView& view, const Rigid3& pose,
                      std::vector<double>& distances_px);
-
-/// The value below which the given share of the values lies; reorders them. Infinite for no values.
-double quantile(std::vector<double>& values, double share);
 
 }  // namespace raybundle

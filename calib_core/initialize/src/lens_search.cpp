@@ -10,12 +10,16 @@
 #include "linear_pose.hpp"
 #include "pose_refinement.hpp"
 #include "start_lens.hpp"
+#include "view_screen.hpp"
 
 namespace raybundle {
 namespace {
 
-constexpr double kMaxDistancePx = 100.0;  ///< a corner that does not project counts like one that is this far off
-constexpr int kAlpha = 4;                 ///< index of StartLens's profile in the parameters
+constexpr double kMaxDistancePx = 100.0;    ///< a corner that does not project counts like one that is this far off
+constexpr std::size_t kQuickViews = 6;      ///< for the first, coarse sweep
+constexpr std::size_t kQuickCorners = 12;   ///< of each of them
+constexpr double kGoodFitOfWidth = 1.2e-3;  ///< of the image: a lens that leaves more may be the wrong one
+constexpr int kAlpha = 4;                   ///< index of StartLens's profile in the parameters
 
 const LensFunctions& start_lens() {
   static const LensFunctions functions = lens_functions<StartLens>();
@@ -24,13 +28,13 @@ const LensFunctions& start_lens() {
 
 double mean_of_best(std::vector<double>& values, double share) {
   const auto count = std::max<std::size_t>(1, static_cast<std::size_t>(share * static_cast<double>(values.size())));
-  std::ranges::partial_sort(values, values.begin() + static_cast<std::ptrdiff_t>(count));
+  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(count - 1));
   return std::accumulate(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count), 0.0) /
          static_cast<double>(count);
 }
 
 /// Linear pose of a view under a lens without polynomial; the identity in front of the camera when there is none.
-Rigid3 quick_pose(const LensVector& lens, const PointsInView& view, const PrincipalFrame& frame) {
+Rigid3 quick_pose(const LensVector& lens, const PointsInView& view, const PrincipalFrame& frame, int iterations) {
   std::vector<Eigen::Vector3d> points;
   std::vector<Eigen::Vector3d> rays;
   for (std::size_t i = 0; i < view.points.size(); ++i) {
@@ -47,17 +51,17 @@ Rigid3 quick_pose(const LensVector& lens, const PointsInView& view, const Princi
   const auto pose = spatial ? linear_spatial_pose(points, rays, frame) : linear_planar_pose(points, rays, frame);
   if (!pose) return fallback;
   Rigid3 refined = *pose;
-  refine_on_rays(points, rays, refined, 4, 0.05);
+  refine_on_rays(points, rays, refined, iterations, 0.05, 1e-3);
   return refined;
 }
 
 LensGuess guess_with(double alpha, double focal, const Eigen::Vector2d& centre, const std::vector<PointsInView>& views,
-                     const std::vector<PrincipalFrame>& frames) {
+                     const std::vector<PrincipalFrame>& frames, int iterations) {
   LensGuess guess;
   guess.parameters.resize(start_lens().parameters);
   guess.parameters << focal, focal, centre.x(), centre.y(), alpha, 0.0, 0.0;
   for (std::size_t v = 0; v < views.size(); ++v) {
-    guess.poses.push_back(quick_pose(guess.parameters, views[v], frames[v]));
+    guess.poses.push_back(quick_pose(guess.parameters, views[v], frames[v], iterations));
   }
   guess.score_px = robust_score(start_lens(), guess.parameters.data(), views, guess.poses);
   return guess;
@@ -101,6 +105,27 @@ std::vector<LensGuess> best_and_different(std::vector<LensGuess> guesses, std::s
   return kept;
 }
 
+std::vector<PrincipalFrame> frames_of(const std::vector<PointsInView>& views) {
+  std::vector<PrincipalFrame> frames;
+  for (const PointsInView& view : views) frames.push_back(principal_frame(view.points));
+  return frames;
+}
+
+/// Guesses for all profiles and all focal lengths from a tenth to two and a half times the longer side.
+std::vector<LensGuess> sweep(std::initializer_list<double> alphas, double focal_step,
+                             const std::vector<PointsInView>& views, const std::vector<PrincipalFrame>& frames,
+                             ImageSize size, int iterations) {
+  const Eigen::Vector2d centre(0.5 * (size.width - 1), 0.5 * (size.height - 1));
+  const double half_width = 0.5 * std::max(size.width, size.height);
+  std::vector<LensGuess> guesses;
+  for (const double alpha : alphas) {
+    for (double focal = 0.2; focal < 5.0; focal *= focal_step) {
+      guesses.push_back(guess_with(alpha, focal * half_width, centre, views, frames, iterations));
+    }
+  }
+  return guesses;
+}
+
 }  // namespace
 
 double robust_score(const LensFunctions& lens, const double* parameters, const std::vector<PointsInView>& views,
@@ -115,18 +140,9 @@ double robust_score(const LensFunctions& lens, const double* parameters, const s
   return mean_of_best(of_views, 0.7);
 }
 
-std::vector<LensGuess> search_lens(const std::vector<PointsInView>& views, ImageSize size) {
-  std::vector<PrincipalFrame> frames;
-  for (const PointsInView& view : views) frames.push_back(principal_frame(view.points));
-  const Eigen::Vector2d centre(0.5 * (size.width - 1), 0.5 * (size.height - 1));
-  const double half_width = 0.5 * std::max(size.width, size.height);
-
-  std::vector<LensGuess> guesses;
-  for (const double alpha : {0.0, 0.3, 0.5, 0.6, 0.7, 0.85}) {
-    for (double focal = 0.2; focal < 5.0; focal *= 1.25) {
-      guesses.push_back(guess_with(alpha, focal * half_width, centre, views, frames));
-    }
-  }
+LensGuess search_lens(const std::vector<PointsInView>& views, ImageSize size) {
+  const std::vector<PrincipalFrame> frames = frames_of(views);
+  std::vector<LensGuess> guesses = sweep({0.0, 0.3, 0.5, 0.6, 0.7, 0.85}, 1.25, views, frames, size, 4);
   guesses = best_and_different(std::move(guesses), 6);
   for (LensGuess& guess : guesses) refine(views, size, false, 10, guess);
   std::ranges::stable_sort(guesses, {}, &LensGuess::score_px);
@@ -134,13 +150,41 @@ std::vector<LensGuess> search_lens(const std::vector<PointsInView>& views, Image
   for (LensGuess& guess : guesses) {
     for (const int iterations : {10, 15, 20}) refine(views, size, true, iterations, guess);
   }
-  std::ranges::stable_sort(guesses, {}, &LensGuess::score_px);
-  return guesses;
+  return *std::ranges::min_element(guesses, {}, &LensGuess::score_px);
+}
+
+std::optional<LensGuess> search_lens_quickly(const std::vector<PointsInView>& views, ImageSize size) {
+  const std::vector<PrincipalFrame> frames = frames_of(views);
+  std::vector<PointsInView> few;
+  for (std::size_t v = 0; v < std::min(kQuickViews, views.size()); ++v) {
+    few.push_back(thinned(views[v], kQuickCorners));
+  }
+  const std::vector<PrincipalFrame> few_frames = frames_of(few);
+  std::vector<LensGuess> guesses = sweep({0.0, 0.4, 0.65, 0.85}, 1.35, few, few_frames, size, 2);
+  guesses = best_and_different(std::move(guesses), 3);
+  for (LensGuess& guess : guesses) refine(few, size, false, 8, guess);
+  const double best_px = std::ranges::min_element(guesses, {}, &LensGuess::score_px)->score_px;
+  std::erase_if(guesses, [&](const LensGuess& guess) { return guess.score_px > 2.0 * best_px + 1.0; });
+  for (LensGuess& guess : guesses) {
+    const Eigen::Vector2d centre = guess.parameters.segment<2>(2);
+    guess = guess_with(guess.parameters[kAlpha], guess.parameters[0], centre, views, frames, 4);
+    refine(views, size, false, 4, guess);
+  }
+  LensGuess best = *std::ranges::min_element(guesses, {}, &LensGuess::score_px);
+  for (int round = 0; round < 3; ++round) {
+    const double before = best.score_px;
+    refine(views, size, true, 8, best);
+    if (best.score_px > 0.98 * before) break;
+  }
+  const double good_px = std::min(1.0, kGoodFitOfWidth * std::max(size.width, size.height));
+  if (!(best.score_px <= good_px)) return std::nullopt;
+  return best;
 }
 
 double focal_uncertainty(const std::vector<PointsInView>& views, ImageSize size, const LensGuess& guess) {
   LensBundleOptions options = search_options(size, std::max(1.5, 4.0 * guess.score_px), false);
   options.max_iterations = 0;
+  options.with_information = true;
   LensVector parameters = guess.parameters;
   std::vector<Rigid3> poses = guess.poses;
   LensMatrix information = refine_lens(start_lens(), views, options, parameters, poses).information;

@@ -4,6 +4,8 @@
 
 #include <vector>
 
+#include <optional>
+
 #include "lens_bundle.hpp"
 
 namespace raybundle {
@@ -21,11 +23,15 @@ double robust_score(const LensFunctions& lens, const double* parameters, const s
                     const std::vector<Rigid3>& poses);
 
 /// StartLens of the views: a sweep over focal lengths and profiles, from 30° to beyond 220°, with a linear pose for
-/// every view, then the best few refined with principal point, aspect ratio and a bent profile.
+/// every view, then the best few refined with principal point, aspect ratio and a bent profile; the best of them. Its
+/// score tells how far to trust it.
 ///
 /// @param views  a selection: a dozen or two that differ, a few dozen corners in each, gross errors removed
-/// @return       best first, at least one; scores tell how far to trust them
-std::vector<LensGuess> search_lens(const std::vector<PointsInView>& views, ImageSize size);
+LensGuess search_lens(const std::vector<PointsInView>& views, ImageSize size);
+
+/// The same with a coarser sweep over a handful of the views; nothing unless the lens that it finds explains the views
+/// to about a pixel. Ordinary data pass, and cost a tenth.
+std::optional<LensGuess> search_lens_quickly(const std::vector<PointsInView>& views, ImageSize size);
 
 /// Relative standard deviation of the focal length when the poses and the profile are unknown too; large when all
 /// boards are parallel to the image, so that focal length and distance cannot be told apart.

@@ -26,6 +26,19 @@ std::optional<Rigid3> with_best_translation(const Eigen::Matrix3d& rotation, std
   return Rigid3{Eigen::Quaterniond(rotation), centre - rotation * frame.centre};
 }
 
+/// Eigenvector of the smallest eigenvalue of a positive matrix by inverse iteration: where two are alike, some vector
+/// between theirs, which is as good a start as either.
+template <typename Matrix>
+Eigen::Matrix<double, Matrix::RowsAtCompileTime, 1> smallest_eigenvector(Matrix matrix) {
+  constexpr int kIterations = 6;
+  matrix.diagonal().array() += 1e-10 * matrix.trace();
+  const Eigen::LLT<Matrix> factor(matrix);
+  Eigen::Matrix<double, Matrix::RowsAtCompileTime, 1> vector;
+  for (int i = 0; i < vector.size(); ++i) vector[i] = 1.0 + 0.1 * i;  // orthogonal to no pose in particular
+  for (int iteration = 0; iteration < kIterations; ++iteration) vector = factor.solve(vector).normalized();
+  return vector;
+}
+
 /// Sum over the pairs of b bᵀ ⊗ (I - r rᵀ), whose smallest eigenvector holds the columns of the projection.
 template <int columns>
 Eigen::Matrix<double, 3, columns> smallest_projection(std::span<const Eigen::Vector3d> points,
@@ -44,8 +57,7 @@ Eigen::Matrix<double, 3, columns> smallest_projection(std::span<const Eigen::Vec
     }
   }
   normal.template triangularView<Eigen::StrictlyLower>() = normal.transpose();
-  const Eigen::SelfAdjointEigenSolver<Matrix> solver(normal);
-  const Eigen::Matrix<double, 3 * columns, 1> smallest = solver.eigenvectors().col(0);
+  const Eigen::Matrix<double, 3 * columns, 1> smallest = smallest_eigenvector(normal);
   Eigen::Matrix<double, 3, columns> projection = Eigen::Map<const Eigen::Matrix<double, 3, columns>>(smallest.data());
   double facing = 0.0;  // the sign that puts the points in front of their rays
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -5,8 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "view_screen.hpp"
+
 namespace raybundle {
 namespace {
+
+constexpr double kGoodFitPx = 0.3;     ///< the polish on corners does the rest
+constexpr std::size_t kSamples = 150;  ///< rays that a fit is made on
 
 /// The shapes that a fit is started from.
 std::vector<LensVector> starting_shapes(ModelId model) {
@@ -64,8 +69,9 @@ LensBundleOptions model_options(ModelId model, const LensVector& mean, double sc
   return options;
 }
 
-LensVector fit_model(ModelId model, const PointsInView& samples, const LensVector& guess_fx_fy_cx_cy) {
+LensVector fit_model(ModelId model, const PointsInView& field, const LensVector& guess_fx_fy_cx_cy) {
   const LensFunctions lens = lens_functions(model);
+  const PointsInView samples = thinned(field, kSamples);
   LensVector best;
   double best_cost = std::numeric_limits<double>::infinity();
   for (const LensVector& shape : starting_shapes(model)) {
@@ -86,6 +92,7 @@ LensVector fit_model(ModelId model, const PointsInView& samples, const LensVecto
       best_cost = cost;
       best = parameters;
     }
+    if (best_cost < kGoodFitPx) break;
   }
   return best;
 }

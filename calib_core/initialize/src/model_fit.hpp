@@ -10,8 +10,8 @@ namespace raybundle {
 /// the best kept. Rays that the model cannot project do not count; a model that cannot describe the lens gets its best
 /// fit.
 ///
-/// @param samples  rays in the camera (as points) and their pixels
-LensVector fit_model(ModelId model, const PointsInView& samples, const LensVector& guess_fx_fy_cx_cy);
+/// @param field  rays in the camera (as points) and their pixels
+LensVector fit_model(ModelId model, const PointsInView& field, const LensVector& guess_fx_fy_cx_cy);
 
 /// Weak priors towards the model's start shape, so that terms that the data does not show stay small.
 LensBundleOptions model_options(ModelId model, const LensVector& mean, double scale_px);

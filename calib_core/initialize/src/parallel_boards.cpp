@@ -32,7 +32,7 @@ double similarity_misfit_px(const PointsInView& view) {
   for (std::size_t i = 0; i < count; ++i) {
     distances.push_back(std::abs(pixel(i) - pixel_mean - a * (board(i) - board_mean)));
   }
-  return quantile(distances, 0.5);
+  return median(distances);
 }
 
 bool flat(const PointsInView& view) {

@@ -52,7 +52,7 @@ double chord_cost(std::span<const Eigen::Vector3d> points, std::span<const Eigen
 
 double refine_on_rays(std::span<const Eigen::Vector3d> points_in_target,
                       std::span<const Eigen::Vector3d> rays_in_camera, Rigid3& pose, int max_iterations,
-                      double scale_rad) {
+                      double scale_rad, double settled) {
   double lambda = 1e-6;
   double cost = chord_cost(points_in_target, rays_in_camera, pose, scale_rad, nullptr, nullptr);
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
@@ -70,7 +70,7 @@ double refine_on_rays(std::span<const Eigen::Vector3d> points_in_target,
       const Rigid3 moved = perturbed(pose, step);
       const double moved_cost = chord_cost(points_in_target, rays_in_camera, moved, scale_rad, nullptr, nullptr);
       if (moved_cost < cost) {
-        converged = cost - moved_cost < 1e-9 * cost;
+        converged = cost - moved_cost < settled * cost;
         pose = moved;
         cost = moved_cost;
         lambda = std::max(lambda * 0.1, 1e-12);
@@ -83,6 +83,11 @@ double refine_on_rays(std::span<const Eigen::Vector3d> points_in_target,
   }
   if (scale_rad > 0) cost = chord_cost(points_in_target, rays_in_camera, pose, 0.0, nullptr, nullptr);
   return std::sqrt(cost / static_cast<double>(std::max<std::size_t>(points_in_target.size(), 1)));
+}
+
+double cost_on_rays(std::span<const Eigen::Vector3d> points_in_target, std::span<const Eigen::Vector3d> rays_in_camera,
+                    const Rigid3& pose, double scale_rad) {
+  return chord_cost(points_in_target, rays_in_camera, pose, scale_rad, nullptr, nullptr);
 }
 
 }  // namespace raybundle

@@ -28,7 +28,7 @@ ViewFit fit_of(const CalibrationProblem& problem, const TargetView& view, const 
   std::vector<double> sorted = tied_distances;
 
   LensBundleOptions options;
-  options.scale_px = std::max(1e-3, 4.0 * quantile(sorted, 0.5));
+  options.scale_px = std::max(1e-3, 4.0 * median(sorted));
   options.max_iterations = 15;
   options.lens_fixed = true;
   LensVector parameters = camera.parameters;
@@ -37,7 +37,7 @@ ViewFit fit_of(const CalibrationProblem& problem, const TargetView& view, const 
   std::vector<double> own_distances;
   pixel_distances(lens, camera.parameters.data(), corners, own[0], own_distances);
   sorted = own_distances;
-  const double right_px = 4.0 * quantile(sorted, 0.5);  // corners that not even a pose of its own explains do not vote
+  const double right_px = 4.0 * median(sorted);  // corners that not even a pose of its own explains do not vote
 
   ViewFit fit;
   fit.own = own[0];
@@ -89,7 +89,7 @@ std::vector<TieCheck> check_ties(const CalibrationProblem& problem, const std::v
     const double freedom = 2.0 * all.corners - 6.0 * static_cast<double>(views.size());
     variances_px2.push_back(all.own_px2 / std::max(1.0, freedom));
   }
-  const double variance_px2 = std::max(quantile(variances_px2, 0.5), 1e-8);
+  const double variance_px2 = std::max(median(variances_px2), 1e-8);
   for (std::size_t i = 0; i < checks.size(); ++i) checks[i].excess = std::sqrt(lost_px2[i] / variance_px2);
   return checks;
 }

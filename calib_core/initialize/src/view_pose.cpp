@@ -7,10 +7,16 @@
 #include <cstdio>
 
 #include "linear_pose.hpp"
+#include "pose_refinement.hpp"
 #include "raybundle/initialize/target_pose.hpp"
+#include "view_screen.hpp"
 
 namespace raybundle {
 namespace {
+
+constexpr std::size_t kPlainCorners = 20;  ///< of a view, for the pose that is tried first
+
+constexpr double kSettled = 1e-5;  ///< of the cost: the bundle does the rest
 
 /// Angle [rad] of one pixel where the view's corners are: the median over some of them.
 double angle_of_pixel(const LensFunctions& lens, const double* parameters, const PointsInView& view) {
@@ -25,7 +31,71 @@ double angle_of_pixel(const LensFunctions& lens, const double* parameters, const
       angles.push_back((a.normalized() - b.normalized()).norm());
     }
   }
-  return angles.empty() ? 1.0 / parameters[0] : quantile(angles, 0.5);
+  return angles.empty() ? 1.0 / parameters[0] : median(angles);
+}
+
+/// Rays of a view's corners where there are any, with the points they belong to.
+struct RaysOfView {
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Eigen::Vector3d> rays;
+  double pixel_rad = 0.0;  ///< angle of one pixel, as the spread of the rays over that of the pixels
+};
+
+RaysOfView rays_of(const LensFunctions& lens, const double* parameters, const PointsInView& view) {
+  RaysOfView seen;
+  seen.points.reserve(view.points.size());
+  seen.rays.reserve(view.points.size());
+  double ray_steps = 0.0, pixel_steps = 0.0;
+  Eigen::Vector2d last_pixel = Eigen::Vector2d::Zero();
+  for (std::size_t i = 0; i < view.points.size(); ++i) {
+    Eigen::Vector3d ray;
+    if (!lens.unproject(parameters, view.pixels[i], ray)) continue;
+    ray.normalize();
+    if (!seen.rays.empty()) {
+      ray_steps += (ray - seen.rays.back()).norm();
+      pixel_steps += (view.pixels[i] - last_pixel).norm();
+    }
+    last_pixel = view.pixels[i];
+    seen.points.push_back(view.points[i]);
+    seen.rays.push_back(ray);
+  }
+  seen.pixel_rad = pixel_steps > 0 ? ray_steps / pixel_steps : 0.0;
+  return seen;
+}
+
+ViewPose judged(const LensFunctions& lens, const double* parameters, const PointsInView& view, const Rigid3& pose,
+                double threshold_px) {
+  ViewPose result;
+  result.camera_from_target = pose;
+  pixel_distances(lens, parameters, view, pose, result.distances_px);
+  judge(result, threshold_px);
+  std::vector<double> sorted = result.distances_px;
+  result.median_px = median(sorted);
+  return result;
+}
+
+/// Linear pose of the corners, refined with little weight for those that are far off, and the better one of the two
+/// candidates that a flat board has.
+std::optional<Rigid3> plain_pose(const LensFunctions& lens, const double* parameters, const PointsInView& view,
+                                 double threshold_px) {
+  const RaysOfView seen = rays_of(lens, parameters, view);
+  const double scale_rad = threshold_px * seen.pixel_rad;
+  if (seen.points.size() < 6 || !(scale_rad > 0)) return std::nullopt;
+  const PrincipalFrame frame = principal_frame(seen.points);
+  if (frame.collinear()) return std::nullopt;
+  const bool flat = frame.spread[2] < 0.1 * frame.spread[0];
+  const auto linear =
+      flat ? linear_planar_pose(seen.points, seen.rays, frame) : linear_spatial_pose(seen.points, seen.rays, frame);
+  if (!linear) return std::nullopt;
+  Rigid3 pose = *linear;
+  refine_on_rays(seen.points, seen.rays, pose, 10, scale_rad, kSettled);
+  if (!flat) return pose;
+  const double cost = cost_on_rays(seen.points, seen.rays, pose, scale_rad);
+  Rigid3 mirrored = mirrored_pose(pose, frame);
+  refine_on_rays(seen.points, seen.rays, mirrored, 2, scale_rad);
+  if (cost_on_rays(seen.points, seen.rays, mirrored, scale_rad) > 4.0 * cost) return pose;
+  refine_on_rays(seen.points, seen.rays, mirrored, 10, scale_rad, kSettled);
+  return cost_on_rays(seen.points, seen.rays, mirrored, scale_rad) < cost ? mirrored : pose;
 }
 
 std::string text(const char* format, double value) {
@@ -49,19 +119,17 @@ PointsInView points_in_view(const Target& target, const TargetView& view) {
   return result;
 }
 
-std::optional<ViewPose> view_pose(const LensFunctions& lens, const double* parameters, const PointsInView& view,
-                                  double threshold_px) {
-  std::vector<Eigen::Vector3d> points;
-  std::vector<Eigen::Vector3d> rays;
-  for (std::size_t i = 0; i < view.points.size(); ++i) {
-    Eigen::Vector3d ray;
-    if (!lens.unproject(parameters, view.pixels[i], ray)) continue;
-    points.push_back(view.points[i]);
-    rays.push_back(ray.normalized());
-  }
+void judge(ViewPose& pose, double threshold_px) {
+  pose.fitting = static_cast<int>(
+      std::ranges::count_if(pose.distances_px, [&](double distance) { return distance < threshold_px; }));
+}
+
+std::optional<ViewPose> ransac_view_pose(const LensFunctions& lens, const double* parameters, const PointsInView& view,
+                                         double threshold_px) {
+  const RaysOfView seen = rays_of(lens, parameters, view);
   const double pixel_rad = angle_of_pixel(lens, parameters, view);
   // A wider gate on rays: a pixel's angle varies over the view, and the pixels decide in the end.
-  const auto found = robust_target_pose(points, rays, std::min(2.0 * threshold_px * pixel_rad, 0.5));
+  const auto found = robust_target_pose(seen.points, seen.rays, std::min(2.0 * threshold_px * pixel_rad, 0.5));
   if (!found) return std::nullopt;
 
   std::vector<Rigid3> poses{found->camera_from_target};
@@ -71,15 +139,18 @@ std::optional<ViewPose> view_pose(const LensFunctions& lens, const double* param
   options.lens_fixed = true;
   LensVector fixed = Eigen::Map<const Eigen::VectorXd>(parameters, lens.parameters);
   refine_lens(lens, {view}, options, fixed, poses);
+  return judged(lens, parameters, view, poses[0], threshold_px);
+}
 
-  ViewPose result;
-  result.camera_from_target = poses[0];
-  std::vector<double> distances;
-  pixel_distances(lens, parameters, view, poses[0], distances);
-  result.fitting =
-      static_cast<int>(std::ranges::count_if(distances, [&](double distance) { return distance < threshold_px; }));
-  result.median_px = quantile(distances, 0.5);
-  return result;
+std::optional<ViewPose> view_pose(const LensFunctions& lens, const double* parameters, const PointsInView& view,
+                                  double threshold_px) {
+  if (const auto quick = plain_pose(lens, parameters, thinned(view, kPlainCorners), threshold_px)) {
+    ViewPose pose = judged(lens, parameters, view, *quick, threshold_px);
+    const bool plainly_right = pose.median_px < 0.3 * threshold_px &&
+                               static_cast<double>(pose.fitting) >= 0.75 * static_cast<double>(view.points.size());
+    if (plainly_right) return pose;
+  }
+  return ransac_view_pose(lens, parameters, view, threshold_px);
 }
 
 int corners_needed(std::size_t corners) { return std::max(4, static_cast<int>((corners + 1) / 2)); }

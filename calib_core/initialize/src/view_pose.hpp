@@ -13,16 +13,25 @@ namespace raybundle {
 /// The pose of one view and how well it fits.
 struct ViewPose {
   Rigid3 camera_from_target;
-  int fitting = 0;         ///< corners within the threshold
-  double median_px = 0.0;  ///< distance of all corners; infinite when most are not projected
+  int fitting = 0;                   ///< corners within the threshold
+  double median_px = 0.0;            ///< distance of all corners; infinite when most are not projected
+  std::vector<double> distances_px;  ///< of the corners; infinite where one is not projected
 };
 
 /// Corners of a view with the points they belong to.
 PointsInView points_in_view(const Target& target, const TargetView& view);
 
-/// Robust pose under a known lens: RANSAC on rays, then least squares in pixels.
+/// Robust pose under a known lens: linear on a few corners where that is plainly right, else RANSAC on rays and least
+/// squares in pixels.
 std::optional<ViewPose> view_pose(const LensFunctions& lens, const double* parameters, const PointsInView& view,
                                   double threshold_px);
+
+/// The second way of view_pose alone.
+std::optional<ViewPose> ransac_view_pose(const LensFunctions& lens, const double* parameters, const PointsInView& view,
+                                         double threshold_px);
+
+/// The same pose judged by another threshold.
+void judge(ViewPose& pose, double threshold_px);
 
 /// Fewest corners that must fit for a pose to be believed: four fix it, the rest confirm it.
 int corners_needed(std::size_t corners);

@@ -16,71 +16,21 @@ namespace {
 
 constexpr std::size_t kNeighbours = 8;
 
-/// Distance of a corner from the affine prediction of its neighbours over their distance from it: the median-best of
-/// the maps through three of them. Infinite is never returned; 0 when the neighbours cannot predict.
-double surprise(const std::vector<Eigen::Vector2d>& board, const std::vector<Eigen::Vector2d>& pixels, std::size_t i,
-                std::vector<std::pair<double, std::size_t>>& order) {
-  order.clear();
-  for (std::size_t j = 0; j < board.size(); ++j) {
-    if (j != i) order.emplace_back((board[j] - board[i]).squaredNorm(), j);
-  }
-  const std::size_t count = std::min(kNeighbours, order.size());
-  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end());
-  const double reach2 = std::max(order[count - 1].first, 1e-30);
+constexpr double kSurprise = 0.4;  ///< of the distance to the neighbours
 
-  double best_spread = std::numeric_limits<double>::infinity();
-  Eigen::Vector2d best_prediction = pixels[i];
-  std::vector<double> errors(count);
-  for (std::size_t a = 0; a < count; ++a) {
-    for (std::size_t b = a + 1; b < count; ++b) {
-      for (std::size_t c = b + 1; c < count; ++c) {
-        const Eigen::Vector2d origin = board[order[a].second];
-        Eigen::Matrix2d sides;
-        sides << board[order[b].second] - origin, board[order[c].second] - origin;
-        if (std::abs(sides.determinant()) < 0.05 * reach2) continue;
-        Eigen::Matrix2d image;
-        image << pixels[order[b].second] - pixels[order[a].second], pixels[order[c].second] - pixels[order[a].second];
-        const Eigen::Matrix2d map = image * sides.inverse();
-        for (std::size_t k = 0; k < count; ++k) {
-          const std::size_t j = order[k].second;
-          errors[k] = (pixels[order[a].second] + map * (board[j] - origin) - pixels[j]).squaredNorm();
-        }
-        const double spread = quantile(errors, 0.7);
-        if (spread >= best_spread) continue;
-        best_spread = spread;
-        best_prediction = pixels[order[a].second] + map * (board[i] - origin);
-      }
-    }
-  }
-  std::vector<double> sides_px(count);
-  for (std::size_t k = 0; k < count; ++k) sides_px[k] = (pixels[order[k].second] - best_prediction).norm();
-  const double spacing = quantile(sides_px, 0.5);
-  return spacing > 0 ? (best_prediction - pixels[i]).norm() / spacing : 0.0;
-}
+using Points2 = std::vector<Eigen::Vector2d>;
 
-}  // namespace
-
-PointsInView screened(const PointsInView& view) {
-  if (view.points.size() < 7) return view;  // too few neighbours to outvote a wrong one
-  const PrincipalFrame frame = principal_frame(view.points);
-  if (frame.collinear() || frame.spread[2] > 0.1 * frame.spread[0]) return view;
-  std::vector<Eigen::Vector2d> board(view.points.size());
-  for (std::size_t i = 0; i < board.size(); ++i) board[i] = frame.local(view.points[i]).head<2>();
-
-  PointsInView kept;
-  std::vector<std::pair<double, std::size_t>> order;
-  for (std::size_t i = 0; i < board.size(); ++i) {
-    if (surprise(board, view.pixels, i, order) > 0.4) continue;
-    kept.points.push_back(view.points[i]);
-    kept.pixels.push_back(view.pixels[i]);
-  }
-  return kept.points.size() >= 6 ? kept : view;
-}
-
-PointsInView thinned(const PointsInView& view, std::size_t count) {
+/// Indices of at most `count` + 4 corners: the extreme ones, and steps of the golden ratio, which fall on all rows and
+/// columns of any grid.
+std::vector<std::size_t> thinned_indices(const PointsInView& view, std::size_t count) {
   const std::size_t size = view.points.size();
-  if (size <= count) return view;
   std::vector<std::size_t> chosen;
+  if (size <= count) {
+    chosen.resize(size);
+    std::iota(chosen.begin(), chosen.end(), 0u);
+    return chosen;
+  }
+  chosen.reserve(count + 4);
   for (const Eigen::Vector2d& direction :
        {Eigen::Vector2d(1, 1), Eigen::Vector2d(1, -1), Eigen::Vector2d(-1, 1), Eigen::Vector2d(-1, -1)}) {
     std::size_t extreme = 0;
@@ -89,19 +39,139 @@ PointsInView thinned(const PointsInView& view, std::size_t count) {
     }
     chosen.push_back(extreme);
   }
-  // Steps of the golden ratio fall on all rows and columns of any grid.
-  for (std::size_t k = 0; chosen.size() < count + 4 && k < count; ++k) {
+  for (std::size_t k = 0; k < count; ++k) {
     const double place = std::fmod(0.6180339887498949 * static_cast<double>(k + 1), 1.0);
     chosen.push_back(static_cast<std::size_t>(place * static_cast<double>(size)));
   }
   std::ranges::sort(chosen);
   chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+  return chosen;
+}
+
+PointsInView selected(const PointsInView& view, const std::vector<std::size_t>& indices) {
   PointsInView kept;
-  for (const std::size_t i : chosen) {
+  for (const std::size_t i : indices) {
     kept.points.push_back(view.points[i]);
     kept.pixels.push_back(view.pixels[i]);
   }
   return kept;
+}
+
+/// The corners nearest to one on the board, nearest first.
+struct Neighbours {
+  std::array<std::size_t, kNeighbours> index;
+  std::size_t count = 0;
+  double reach2 = 0.0;  ///< squared distance of the farthest
+};
+
+Neighbours neighbours_of(const Points2& board, std::size_t i) {
+  Neighbours near;
+  std::array<double, kNeighbours> distance2;
+  for (std::size_t j = 0; j < board.size(); ++j) {  // insertion: most corners are farther than the last one kept
+    const double d2 = (board[j] - board[i]).squaredNorm();
+    if (j == i || (near.count == kNeighbours && d2 >= distance2[kNeighbours - 1])) continue;
+    std::size_t at = near.count < kNeighbours ? near.count++ : kNeighbours - 1;
+    for (; at > 0 && distance2[at - 1] > d2; --at) {
+      distance2[at] = distance2[at - 1];
+      near.index[at] = near.index[at - 1];
+    }
+    distance2[at] = d2;
+    near.index[at] = j;
+  }
+  near.reach2 = std::max(distance2[near.count - 1], 1e-30);
+  return near;
+}
+
+/// Whether one affine map puts the corner and all its neighbours near to where they are: nothing to vote about.
+bool plainly_right(const Points2& board, const Points2& pixels, std::size_t i, const Neighbours& near) {
+  Eigen::Matrix2d square = Eigen::Matrix2d::Zero();
+  Eigen::Matrix2d product = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d board_mean = Eigen::Vector2d::Zero();
+  Eigen::Vector2d pixel_mean = Eigen::Vector2d::Zero();
+  double farthest2 = 0.0;
+  for (std::size_t k = 0; k < near.count; ++k) {
+    const Eigen::Vector2d side = board[near.index[k]] - board[i];
+    const Eigen::Vector2d image = pixels[near.index[k]] - pixels[i];
+    square += side * side.transpose();
+    product += image * side.transpose();
+    board_mean += side;
+    pixel_mean += image;
+    farthest2 = std::max(farthest2, image.squaredNorm());
+  }
+  const double count = static_cast<double>(near.count);
+  square -= board_mean * board_mean.transpose() / count;
+  product -= pixel_mean * board_mean.transpose() / count;
+  if (!(square.determinant() > 0.01 * near.reach2 * near.reach2)) return false;
+  const Eigen::Matrix2d map = product * square.inverse();
+  const Eigen::Vector2d offset = (pixel_mean - map * board_mean) / count;
+  const double limit2 = 0.01 * farthest2;
+  bool right = offset.squaredNorm() < limit2;
+  for (std::size_t k = 0; right && k < near.count; ++k) {
+    const std::size_t j = near.index[k];
+    right = (offset + map * (board[j] - board[i]) - (pixels[j] - pixels[i])).squaredNorm() < limit2;
+  }
+  return right;
+}
+
+/// Distance of a corner from the affine prediction of its neighbours over their distance from it: the median-best of
+/// the maps through three of them. Infinite is never returned; 0 when the neighbours cannot predict.
+double surprise(const Points2& board, const Points2& pixels, std::size_t i, const Neighbours& near) {
+  double best_spread = std::numeric_limits<double>::infinity();
+  Eigen::Vector2d best_prediction = pixels[i];
+  std::vector<double> errors(near.count);
+  for (std::size_t a = 0; a < near.count; ++a) {
+    for (std::size_t b = a + 1; b < near.count; ++b) {
+      for (std::size_t c = b + 1; c < near.count; ++c) {
+        const Eigen::Vector2d origin = board[near.index[a]];
+        const Eigen::Vector2d origin_px = pixels[near.index[a]];
+        Eigen::Matrix2d sides;
+        sides << board[near.index[b]] - origin, board[near.index[c]] - origin;
+        if (std::abs(sides.determinant()) < 0.05 * near.reach2) continue;
+        Eigen::Matrix2d image;
+        image << pixels[near.index[b]] - origin_px, pixels[near.index[c]] - origin_px;
+        const Eigen::Matrix2d map = image * sides.inverse();
+        for (std::size_t k = 0; k < near.count; ++k) {
+          const std::size_t j = near.index[k];
+          errors[k] = (origin_px + map * (board[j] - origin) - pixels[j]).squaredNorm();
+        }
+        const double spread = quantile(errors, 0.7);
+        if (spread >= best_spread) continue;
+        best_spread = spread;
+        best_prediction = origin_px + map * (board[i] - origin);
+      }
+    }
+  }
+  std::vector<double> sides_px(near.count);
+  for (std::size_t k = 0; k < near.count; ++k) sides_px[k] = (pixels[near.index[k]] - best_prediction).norm();
+  const double spacing = median(sides_px);
+  return spacing > 0 ? (best_prediction - pixels[i]).norm() / spacing : 0.0;
+}
+
+}  // namespace
+
+PointsInView screened(const PointsInView& view, std::size_t count) {
+  const std::vector<std::size_t> candidates = thinned_indices(view, count);
+  std::vector<Eigen::Vector2d> board;
+  if (view.points.size() >= 7) {  // fewer have too few neighbours to outvote a wrong one
+    const PrincipalFrame frame = principal_frame(view.points);
+    if (!frame.collinear() && frame.spread[2] <= 0.1 * frame.spread[0]) {
+      for (const Eigen::Vector3d& point : view.points) board.push_back(frame.local(point).head<2>());
+    }
+  }
+  PointsInView kept;
+  for (const std::size_t i : candidates) {
+    if (!board.empty()) {
+      const Neighbours near = neighbours_of(board, i);
+      if (!plainly_right(board, view.pixels, i, near) && surprise(board, view.pixels, i, near) > kSurprise) continue;
+    }
+    kept.points.push_back(view.points[i]);
+    kept.pixels.push_back(view.pixels[i]);
+  }
+  return kept.points.size() >= 6 ? kept : selected(view, candidates);
+}
+
+PointsInView thinned(const PointsInView& view, std::size_t count) {
+  return view.points.size() <= count ? view : selected(view, thinned_indices(view, count));
 }
 
 std::vector<std::size_t> spread_views(const std::vector<PointsInView>& views, std::size_t count) {
@@ -120,6 +190,8 @@ std::vector<std::size_t> spread_views(const std::vector<PointsInView>& views, st
   }
   const auto fullest = std::ranges::max_element(views, {}, [](const PointsInView& view) { return view.points.size(); });
   chosen.push_back(static_cast<std::size_t>(fullest - views.begin()));
+  std::vector<bool> taken(views.size(), false);
+  taken[chosen[0]] = true;
   const double most = static_cast<double>(fullest->points.size());
   std::vector<double> distance(views.size(), std::numeric_limits<double>::infinity());
   while (chosen.size() < std::min(count, views.size())) {
@@ -128,12 +200,13 @@ std::vector<std::size_t> spread_views(const std::vector<PointsInView>& views, st
     for (std::size_t v = 0; v < views.size(); ++v) {
       distance[v] = std::min(distance[v], (features[v] - features[chosen.back()]).norm() + 1e-9 * scale);
       const double value = distance[v] * std::sqrt(static_cast<double>(views[v].points.size()) / most);
-      if (std::ranges::find(chosen, v) == chosen.end() && value > best) {
+      if (!taken[v] && value > best) {
         best = value;
         next = v;
       }
     }
     chosen.push_back(next);
+    taken[next] = true;
   }
   return chosen;
 }

@@ -8,9 +8,10 @@
 
 namespace raybundle {
 
-/// The corners of a view that agree with their neighbours on the board: where a lens is smooth, a corner lies near the
-/// place that an affine map of its neighbours predicts. Needs no lens; removes gross errors only.
-PointsInView screened(const PointsInView& view);
+/// Some `count` corners of a view, spread over it, of those that agree with their neighbours on the board: where a lens
+/// is smooth, a corner lies near the place that an affine map of its neighbours predicts. Needs no lens; removes gross
+/// errors only.
+PointsInView screened(const PointsInView& view, std::size_t count);
 
 /// At most `count` corners of a view, spread over it: the extreme ones first.
 PointsInView thinned(const PointsInView& view, std::size_t count);

@@ -95,9 +95,9 @@ TEST(CameraStart, FindsAnyLensOfAnyModelFromViewsAlone) {
       const CameraStart start = initialize_camera(world.problem, 0);
       const std::vector<double> errors = errors_px(world, start);
       ASSERT_FALSE(errors.empty());
-      // Noise of two coordinates, three sigmas at the 98th percentile, and a quarter of a pixel: far inside the basin
+      // Noise of two coordinates, three sigmas at the 98th percentile, and 0.4 px: far inside the basin
       // of the bundle, whose corners attract over tens of pixels.
-      EXPECT_LT(errors[errors.size() * 98 / 100], 3.0 * options.noise_px + 0.25);
+      EXPECT_LT(errors[errors.size() * 98 / 100], 3.0 * options.noise_px + 0.4);
       EXPECT_GE(posed(start), static_cast<int>(0.9 * static_cast<double>(world.problem.views.size())));
     }
   }
