@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "cameras_alone.hpp"
+#include "content_order.hpp"
 #include "joint_solve.hpp"
 #include "raybundle/bundle/parameters.hpp"
 #include "raybundle/camera/injectivity.hpp"
@@ -118,11 +119,7 @@ CalibrationResult for_whole_problem(const CalibrationProblem& whole, const std::
   return result;
 }
 
-}  // namespace
-
-CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOptions& options) {
-  check(problem);
-  parameter_blocks(problem);  // refuses rules that match nothing
+CalibrationResult calibrate_in_order(const CalibrationProblem& problem, const CalibrateOptions& options) {
   CalibrationResult result;
 
   // Each camera alone, then all that could be calibrated as one rig.
@@ -149,7 +146,7 @@ CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOp
   JointSolve solve;
   {
     const Stopwatch stopwatch(result.stages, "solve");
-    solve = solve_jointly(sub.problem, state, options, reasons);
+    solve = solve_jointly(sub.problem, state, options, reasons, alone.summaries[cameras.front()]);
   }
   {
     const Stopwatch stopwatch(result.stages, "uncertainty");
@@ -178,6 +175,15 @@ CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOp
     result.warnings.push_back("the solve stopped at the limit of iterations before it converged");
   }
   return for_whole_problem(problem, cameras, sub, alone, std::move(result));
+}
+
+}  // namespace
+
+CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOptions& options) {
+  check(problem);
+  parameter_blocks(problem);  // refuses rules that match nothing
+  const OrderedProblem ordered = in_order_of_content(problem);
+  return in_given_order(ordered, calibrate_in_order(ordered.problem, options));
 }
 
 }  // namespace raybundle

@@ -24,9 +24,8 @@ void solve_camera_alone(const CalibrationProblem& problem, int camera, const Cal
   BundleState state = state_from_start(single.problem, start);
   std::vector<std::string> reasons = start.reasons;
   solve_robustly(single.problem, state, options);
-  give_second_chance(single.problem, state, reasons);
-  solve_robustly(single.problem, state, options);
-  solve_without_outliers(single.problem, state, options, false, reasons);
+  if (give_second_chance(single.problem, state, reasons)) solve_robustly(single.problem, state, options);
+  alone.summaries[camera] = solve_without_outliers(single.problem, state, options, false, reasons);
   alone.cameras[camera] = state.cameras[0];
   for (std::size_t v = 0; v < single.views.size(); ++v) {
     const int view = single.views[v];
@@ -42,6 +41,7 @@ CamerasAlone solve_cameras_alone(const CalibrationProblem& problem, const Calibr
                                  std::vector<StageTime>& stages) {
   CamerasAlone alone;
   alone.cameras.resize(problem.cameras.size());
+  alone.summaries.resize(problem.cameras.size());
   alone.why_not.resize(problem.cameras.size());
   alone.camera_from_target.resize(problem.views.size());
   alone.fates.resize(problem.views.size());

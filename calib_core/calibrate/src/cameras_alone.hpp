@@ -16,6 +16,7 @@ namespace raybundle {
 struct CamerasAlone {
   std::vector<std::optional<Camera>> cameras;  ///< empty where the views do not determine one
   std::vector<std::string> why_not;            ///< for those
+  std::vector<BundleSummary> summaries;        ///< of the last solve of each camera
   std::vector<std::optional<Rigid3>> camera_from_target;
   std::vector<std::vector<ObservationFate>> fates;
   std::vector<std::string> reasons;  ///< why a view has no pose

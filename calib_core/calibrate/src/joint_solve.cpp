@@ -32,7 +32,7 @@ BundleSummary solve_and_review_ties(const CalibrationProblem& problem, BundleSta
   for (int round = 0; round < kMaxTieReviews; ++round) {
     ties.share_kept = std::max(kSmallestShareKept, 1.0 - kSmallestShareKept * (round + 1));  // the worst frames first
     const bool changed = review_ties(problem, state, options, ties);
-    if (!changed && ties.share_kept == kSmallestShareKept) break;
+    if (!changed && (ties.strict || ties.share_kept == kSmallestShareKept)) break;
     summary = solve_bundle(problem, state, bundle);
   }
   return summary;
@@ -87,6 +87,21 @@ double chi2_in_common(const CalibrationProblem& problem, const BundleState& stat
   return chi2;
 }
 
+constexpr double kSmallestGain = 0.02;  // in the sum of squares, of a bent board
+
+// Whether bending the boards could lower the squared residuals enough: from a flat optimum two Gauss-Newton steps bring
+// nearly all of a small bend's gain and most of a large one's.
+bool shape_may_pay(const CalibrationProblem& problem, const BundleState& flat, const CalibrateOptions& options) {
+  BundleState bent = flat;
+  BundleOptions bundle;
+  bundle.threads = options.threads;
+  bundle.max_iterations = 2;
+  bundle.estimate_shape = true;
+  const BundleSummary summary = solve_bundle(problem, bent, bundle);
+  if (summary.termination == Termination::kFailed) return true;
+  return summary.initial_cost - summary.final_cost > 0.25 * kSmallestGain * summary.initial_cost;
+}
+
 // A bent board must lower the squared residuals by 2 % (the rms by 1 %) and, as an F-test, by 20 per parameter: far
 // beyond chance (99.9 % of F(3, n) lies below 5.5) because corner errors are not independent.
 bool data_carry_shape(const CalibrationProblem& problem, const BundleState& flat, const BundleState& bent) {
@@ -95,20 +110,24 @@ bool data_carry_shape(const CalibrationProblem& problem, const BundleState& flat
   const double chi2_bent = chi2_in_common(problem, bent, flat, corners);
   const double gain = chi2_flat - chi2_bent;
   const double parameters = 3.0 * static_cast<double>(problem.targets.size());
-  return gain > 0.02 * chi2_flat && gain / parameters > 20.0 * chi2_bent / (2.0 * corners);
+  return gain > kSmallestGain * chi2_flat && gain / parameters > 20.0 * chi2_bent / (2.0 * corners);
 }
 
 }  // namespace
 
 JointSolve solve_jointly(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
-                         std::vector<std::string>& reasons) {
+                         std::vector<std::string>& reasons, const BundleSummary& solved) {
   JointSolve solve;
+  solve.summary = solved;
   if (problem.cameras.size() > 1) solve.summary = solve_rig(problem, state, options, solve.ties);
   if (!solve.ties.unsynchronised) {
-    give_second_chance(problem, state, reasons);
-    solve.summary = solve_without_outliers(problem, state, options, false, reasons);
+    const bool changed = give_second_chance(problem, state, reasons);
+    const bool still_solved = problem.cameras.size() == 1 && !changed;
+    solve.summary =
+        solve_without_outliers(problem, state, options, false, reasons, still_solved ? solve.summary : BundleSummary{});
     const bool flat_board = std::ranges::any_of(problem.targets, &Target::flat);
-    if (options.estimate_shape && flat_board && solve.summary.termination != Termination::kFailed) {
+    if (options.estimate_shape && flat_board && solve.summary.termination != Termination::kFailed &&
+        shape_may_pay(problem, state, options)) {
       BundleState bent = state;
       std::vector<std::string> bent_reasons = reasons;
       const BundleSummary summary = solve_without_outliers(problem, bent, options, true, bent_reasons);

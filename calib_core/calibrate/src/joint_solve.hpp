@@ -22,8 +22,9 @@ struct JointSolve {
 ///
 /// @param state    cameras as they are alone, rig and boards as they start; solved in place
 /// @param reasons  aligned with problem.views; why a view is set aside
+/// @param solved   of a single camera: how its solve alone ended, where the state comes from
 /// @throws Error(kSolveFailed)
 JointSolve solve_jointly(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
-                         std::vector<std::string>& reasons);
+                         std::vector<std::string>& reasons, const BundleSummary& solved = {});
 
 }  // namespace raybundle

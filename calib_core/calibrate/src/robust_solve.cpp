@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "raybundle/geometry/quantile.hpp"
 #include "raybundle/initialize/camera_start.hpp"
 
 namespace raybundle {
@@ -16,14 +17,8 @@ namespace {
 constexpr double kRayleighMedian = 1.1774100225154747;  // sqrt(2 ln 2): median length of a standard normal 2-vector
 constexpr double kSmallestDistancePx = 1e-3;            // exact data: rounding is not to be mistaken for outliers
 constexpr int kMaxRounds = 8;
+constexpr int kRobustIterations = 8;       // of a round: enough to tell outliers; least squares does the rest
 constexpr std::size_t kFewestCorners = 4;  // of a view: fewer do not determine a pose
-
-double median(std::vector<double>& values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Distances of a view's measured corners from their projections, in sigmas; infinite where nothing projects.
 std::vector<double> whitened_distances(const CalibrationProblem& problem, const BundleState& state, int view) {
@@ -112,6 +107,7 @@ bool mark_outliers(const CalibrationProblem& problem, BundleState& state, const 
 
 BundleSummary solve_robustly(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options) {
   BundleOptions bundle = bundle_options(options);
+  bundle.max_iterations = std::min(bundle.max_iterations, kRobustIterations);
   BundleSummary summary;
   double previous = std::numeric_limits<double>::infinity();
   for (int round = 0; round < kMaxRounds; ++round) {
@@ -119,7 +115,8 @@ BundleSummary solve_robustly(const CalibrationProblem& problem, BundleState& sta
     for (double of_camera : robust_sigmas(problem, state)) {
       if (std::isfinite(of_camera)) sigma = std::max(sigma, of_camera);
     }
-    if (!(sigma < 0.9 * previous)) break;  // the scale has settled
+    const bool under_way = summary.termination == Termination::kIterationLimit;
+    if (!(sigma < (under_way ? 0.98 : 0.9) * previous)) break;  // the scale has settled
     previous = sigma;
     bundle.robust_scale_sigma = options.robust_scale_sigma * std::max(sigma, kSmallestDistancePx);
     summary = solve_bundle(problem, state, bundle);
@@ -129,7 +126,8 @@ BundleSummary solve_robustly(const CalibrationProblem& problem, BundleState& sta
   return summary;
 }
 
-void give_second_chance(const CalibrationProblem& problem, BundleState& state, std::vector<std::string>& reasons) {
+bool give_second_chance(const CalibrationProblem& problem, BundleState& state, std::vector<std::string>& reasons) {
+  bool taken = false;
   for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
     const TargetView& view = problem.views[v];
     if (state.pose_of_view[v] >= 0 || view.observations.size() < kFewestCorners) continue;
@@ -140,6 +138,7 @@ void give_second_chance(const CalibrationProblem& problem, BundleState& state, s
       reasons[v] = reason;
       continue;
     }
+    taken = true;
     // A board that the other cameras saw in the frame stays one board; whether the view fits it is for the outlier
     // rule.
     state.pose_of_view[v] = shared_pose(problem, state, view);
@@ -148,18 +147,20 @@ void give_second_chance(const CalibrationProblem& problem, BundleState& state, s
       state.poses.push_back({view.frame, view.target, camera_from_rig.inverse() * *own});
     }
   }
-  mark_projectable(problem, state);
+  if (taken) mark_projectable(problem, state);
+  return taken;
 }
 
 BundleSummary solve_without_outliers(const CalibrationProblem& problem, BundleState& state,
                                      const CalibrateOptions& options, bool estimate_shape,
-                                     std::vector<std::string>& reasons) {
+                                     std::vector<std::string>& reasons, const BundleSummary& solved) {
   BundleOptions bundle = bundle_options(options);
   bundle.estimate_shape = estimate_shape;
-  BundleSummary summary;
+  BundleSummary summary = solved;
   for (int round = 0; round < kMaxRounds; ++round) {
     const bool changed = mark_outliers(problem, state, options, reasons);
-    if (round > 0 && !changed) break;
+    if (!changed && summary.termination == Termination::kConverged) break;
+    if (!changed && round > 0) break;
     summary = solve_bundle(problem, state, bundle);
     if (summary.termination == Termination::kFailed) break;
   }

@@ -11,7 +11,7 @@
 namespace raybundle {
 
 /// Robust standard deviation of each camera's whitened residuals per coordinate: the median distance over that of a
-/// standard normal in two dimensions (1.1774). NaN for a camera without used views.
+/// standard normal in two dimensions (1.1774). infinite for a camera without used views.
 std::vector<double> robust_sigmas(const CalibrationProblem& problem, const BundleState& state);
 
 /// The outlier rule in words, as the report prints it.
@@ -25,16 +25,21 @@ std::string outlier_rule(const CalibrateOptions& options);
 bool mark_outliers(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
                    std::vector<std::string>& reasons);
 
-/// Minimises the Cauchy loss, its scale tightened with the residuals, so that wrong corners and views have no say.
+/// Minimises the Cauchy loss, its scale tightened with the residuals, so that wrong corners and views have no say: far
+/// enough for the outlier rule, not to the last digit.
 BundleSummary solve_robustly(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options);
 
 /// Gives views that were set aside a pose again if they fit the cameras as they are now: the pose of the board that
 /// other cameras saw in the frame, or one of their own.
-void give_second_chance(const CalibrationProblem& problem, BundleState& state, std::vector<std::string>& reasons);
+///
+/// @return  whether a view has a pose again
+bool give_second_chance(const CalibrationProblem& problem, BundleState& state, std::vector<std::string>& reasons);
 
 /// Plain least squares without the outliers, until solve and outlier rule agree.
+///
+/// @param solved  of a converged solve of the state as it is; without outliers anew nothing is left to do then
 BundleSummary solve_without_outliers(const CalibrationProblem& problem, BundleState& state,
                                      const CalibrateOptions& options, bool estimate_shape,
-                                     std::vector<std::string>& reasons);
+                                     std::vector<std::string>& reasons, const BundleSummary& solved = {});
 
 }  // namespace raybundle

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "raybundle/geometry/quantile.hpp"
+
 namespace raybundle {
 namespace {
 
@@ -77,11 +79,9 @@ void fill_result(const CalibrationProblem& problem, const BundleState& state, Ca
     if (of_camera.empty()) continue;
     double sum = 0.0;
     for (double distance : of_camera) sum += distance * distance;
-    const auto middle = of_camera.begin() + static_cast<std::ptrdiff_t>(of_camera.size() / 2);
-    std::nth_element(of_camera.begin(), middle, of_camera.end());
     result.cameras[c].corners_used = static_cast<int>(of_camera.size());
     result.cameras[c].rms_px = std::sqrt(sum / static_cast<double>(of_camera.size()));
-    result.cameras[c].median_px = *middle;
+    result.cameras[c].median_px = median(of_camera);
     sum_of_all += sum;
     count_of_all += of_camera.size();
   }

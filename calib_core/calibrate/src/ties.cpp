@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "raybundle/geometry/quantile.hpp"
 #include "raybundle/initialize/tie_check.hpp"
 
 namespace raybundle {
@@ -77,12 +78,6 @@ void solve_poses(const CalibrationProblem& problem, BundleState& state, int thre
   solve_bundle(poses_only, state, options);
 }
 
-double quantile(std::vector<double> values, double fraction) {
-  const auto at = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
-  std::ranges::nth_element(values, values.begin() + at);
-  return values[at];
-}
-
 // Excess beyond which a frame does not tie: of cameras that do not expose together only frames far worse than most.
 double tie_limit(const std::vector<TieCheck>& checks, double tie_sigma, TieReview& review) {
   std::vector<double> values, tied_px;
@@ -90,10 +85,11 @@ double tie_limit(const std::vector<TieCheck>& checks, double tie_sigma, TieRevie
     values.push_back(check.excess);
     tied_px.push_back(check.tied_rms_px);
   }
-  review.typical_px = quantile(tied_px, 0.5);
+  review.typical_px = median(tied_px);
   const double best = quantile(values, review.share_kept);
   review.doubtful = best > tie_sigma;
-  return review.unsynchronised ? 3.0 * quantile(values, 0.5) : std::max(tie_sigma, best);
+  review.strict = !review.unsynchronised && !review.doubtful;
+  return review.unsynchronised ? 3.0 * median(values) : std::max(tie_sigma, best);
 }
 
 // For each view the first one that shares its board pose: the same for states that tie the same views.
@@ -115,6 +111,7 @@ bool review_ties(const CalibrationProblem& problem, BundleState& state, const Ca
   const std::vector<TieCheck> checks =
       check_ties(problem, tied.cameras, tied.camera_from_rig, tied.poses, tied.pose_of_view);
   review.untied = views_out_of_sight(problem, tied);
+  review.strict = false;
   if (checks.empty()) return false;
   const double limit = tie_limit(checks, options.tie_sigma, review);
   for (const TieCheck& check : checks) {

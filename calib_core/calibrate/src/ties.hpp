@@ -14,6 +14,7 @@ struct TieReview {
   std::vector<SetAside> untied;  ///< views with a board pose of their own, and why
   bool doubtful = false;         ///< not even share_kept of the frames fit together as well as apart
   double typical_px = 0.0;       ///< rms of the corners in the median frame when one board pose serves all cameras
+  bool strict = false;           ///< the limit was tie_sigma itself: a smaller share_kept would change nothing
   double share_kept = 0.25;      ///< set by the caller: of the frames tie in any case, the best ones
   bool unsynchronised = false;   ///< set by the caller: the cameras do not expose together, ties are worth little
 };
@@ -22,7 +23,7 @@ struct TieReview {
 /// not gets a board pose of its own: it keeps its say about its camera but not about the rig. Views that fit again
 /// are tied again.
 ///
-/// @param review  `untied`, `doubtful` and `typical_px` are replaced
+/// @param review  `untied`, `doubtful`, `strict` and `typical_px` are replaced
 /// @return        whether a tie changed
 bool review_ties(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
                  TieReview& review);
