@@ -5,6 +5,7 @@
 #include <string>
 
 #include "calibration_format.hpp"
+#include "json_laser.hpp"
 #include "json_node.hpp"
 #include "json_target.hpp"
 #include "raybundle/geometry/error.hpp"
@@ -147,6 +148,7 @@ CalibrationFile calibration_from_text(std::string_view text, const std::string& 
   file.summaries = summaries_from(cameras);
   file.calibration.targets = calibrated_targets_from(root.at("targets"));
   file.calibration.covariance = covariance_from(root.at("covariance"));
+  if (const auto laser = root.find("laser")) file.calibration.laser = pattern_from(*laser);
   const JsonNode residuals = root.at("residuals");
   file.rms_px = residuals.at("rms_px").number();
   file.variance_factor = residuals.at("variance_factor").number();

@@ -6,6 +6,7 @@
 
 #include "calibration_format.hpp"
 #include "json_camera.hpp"
+#include "json_laser.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
 #include "raybundle/scene/atomic_file.hpp"
@@ -39,6 +40,9 @@ void check(const CalibrationFile& file) {
       refuse("camera " + camera.name + " holds a number that is not finite");
     }
   }
+  if (calibration.laser && !is_complete(*calibration.laser)) {
+    refuse("a laser beam lies outside of the grid or holds a number that is not finite");
+  }
 }
 
 OrderedJson conventions() {
@@ -48,7 +52,10 @@ OrderedJson conventions() {
       {"transform", "b_from_a: x_in_b = R(rotation_xyzw) x_in_a + translation_m"},
       {"rig_frame", "the frame of the first camera"},
       {"rotation_sigma", "a small rotation vector applied on the left of the rotation"},
-      {"surface", "z = bend_x_m (1 - x^2) + bend_y_m (1 - y^2) + twist_m x y, x and y from -1 to 1 over the points"}};
+      {"surface", "z = bend_x_m (1 - x^2) + bend_y_m (1 - y^2) + twist_m x y, x and y from -1 to 1 over the points"},
+      {"beam_covariance",
+       "two offsets of point_m [m] and two slopes of direction [rad], along the two vectors across "
+       "the direction of Duff et al. 2017"}};
 }
 
 OrderedJson json_from_summary(const CameraSummary& summary) {
@@ -132,17 +139,18 @@ std::string text_from_calibration(const CalibrationFile& file) {
   check(file);
   OrderedJson cameras = OrderedJson::array();
   for (std::size_t i = 0; i < file.calibration.cameras.size(); ++i) cameras.push_back(json_from_camera(file, i));
-  const OrderedJson json{{"format", kCalibrationFormat},
-                         {"version", kCalibrationVersion},
-                         {"units", {{"length", "m"}, {"angle", "rad"}, {"image", "px"}}},
-                         {"conventions", conventions()},
-                         {"cameras", cameras},
-                         {"targets", json_from_targets(file.calibration.targets)},
-                         {"residuals", {{"rms_px", file.rms_px}, {"variance_factor", file.variance_factor}}},
-                         {"covariance", json_from_covariance(file.calibration.covariance)},
-                         {"self_test", json_from_self_test(file.calibration.cameras)},
-                         {"provenance", json_from_provenance(file.provenance)}};
-  return pretty_text(json, "self_test");
+  OrderedJson json{{"format", kCalibrationFormat},
+                   {"version", kCalibrationVersion},
+                   {"units", {{"length", "m"}, {"angle", "rad"}, {"image", "px"}}},
+                   {"conventions", conventions()},
+                   {"cameras", cameras},
+                   {"targets", json_from_targets(file.calibration.targets)},
+                   {"residuals", {{"rms_px", file.rms_px}, {"variance_factor", file.variance_factor}}},
+                   {"covariance", json_from_covariance(file.calibration.covariance)},
+                   {"self_test", json_from_self_test(file.calibration.cameras)},
+                   {"provenance", json_from_provenance(file.provenance)}};
+  if (file.calibration.laser) json["laser"] = json_from_pattern(*file.calibration.laser);
+  return pretty_text(json, {"self_test", "beams"});
 }
 
 void write_calibration(const std::filesystem::path& path, const CalibrationFile& file) {

@@ -60,6 +60,7 @@ class JsonNode {
   Rigid3 rigid3() const;         ///< of an object with rotation_xyzw and translation_m
 
   bool is_number() const { return value_->is_number(); }
+  bool is_null() const { return value_->is_null(); }
 
   /// Throws Error(kBadInput, "name:line: cameras[1].model " + message).
   [[noreturn]] void fail(const std::string& message) const;

@@ -22,7 +22,7 @@ OrderedJson json_from_pairs(const std::vector<std::pair<std::string, std::string
   return json;
 }
 
-void append(const OrderedJson& value, const std::string& lines, bool one_a_line, std::size_t indent,
+void append(const OrderedJson& value, const std::vector<std::string>& lines, bool one_a_line, std::size_t indent,
             std::string& text) {
   if (value.empty() || !value.is_structured() || (value.is_array() && holds_plain_values(value))) {
     text += flat_text(value);
@@ -38,7 +38,8 @@ void append(const OrderedJson& value, const std::string& lines, bool one_a_line,
     if (one_a_line || (value.is_array() && holds_plain_values(item.value()))) {
       text += flat_text(item.value());
     } else {
-      append(item.value(), lines, value.is_object() && item.key() == lines, indent + 2, text);
+      const bool listed = value.is_object() && std::ranges::find(lines, item.key()) != lines.end();
+      append(item.value(), lines, listed, indent + 2, text);
     }
   }
   text += "\n" + std::string(indent, ' ') + (value.is_array() ? ']' : '}');
@@ -46,7 +47,7 @@ void append(const OrderedJson& value, const std::string& lines, bool one_a_line,
 
 }  // namespace
 
-std::string pretty_text(const OrderedJson& value, const std::string& lines) {
+std::string pretty_text(const OrderedJson& value, const std::vector<std::string>& lines) {
   std::string text;
   append(value, lines, false, 0, text);
   return text + "\n";

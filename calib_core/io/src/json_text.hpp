@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "raybundle/geometry/rigid3.hpp"
 #include "raybundle/io/provenance.hpp"
@@ -18,8 +19,8 @@ using OrderedJson = nlohmann::ordered_json;
 /// JSON for people and programs: objects are indented, arrays of plain values, and objects of plain values in an array,
 /// stay on one line. Numbers have the shortest digits that bring back the same bits; what is not finite becomes null.
 ///
-/// @param lines  key of arrays whose entries are written one a line, whatever they hold
-std::string pretty_text(const OrderedJson& value, const std::string& lines = {});
+/// @param lines  keys of arrays whose entries are written one a line, whatever they hold
+std::string pretty_text(const OrderedJson& value, const std::vector<std::string>& lines = {});
 
 OrderedJson json_from_vector(const Eigen::Ref<const Eigen::VectorXd>& values);
 OrderedJson json_from_rigid3(const Rigid3& b_from_a);

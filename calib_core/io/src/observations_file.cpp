@@ -5,6 +5,7 @@
 #include <limits>
 #include <set>
 
+#include "json_laser.hpp"
 #include "json_node.hpp"
 #include "json_target.hpp"
 #include "json_text.hpp"
@@ -48,6 +49,7 @@ OrderedJson json_from_view(const CalibrationProblem& problem, const TargetView& 
       {"camera", problem.cameras[view.camera].name}, {"frame", problem.frames[view.frame]}, {"target", view.target}};
   if (!view.image.empty()) json["image"] = view.image;
   json["points"] = points;
+  if (!view.dots.empty()) json["dots"] = json_from_dots(view.dots, problem.laser->grid);
   return json;
 }
 
@@ -97,7 +99,7 @@ void read_views(const JsonNode& nodes, const NameList& cameras, NameList& frames
   const int last_target = static_cast<int>(problem.targets.size()) - 1;
   for (std::size_t i = 0; i < nodes.array_size(); ++i) {
     const JsonNode node = nodes[i];
-    node.expect_keys({"camera", "frame", "target", "image", "points"});
+    node.expect_keys({"camera", "frame", "target", "image", "points", "dots"});
     const JsonNode frame = node.at("frame");
     TargetView view;
     view.camera = index_of(node.at("camera"), cameras);
@@ -105,6 +107,10 @@ void read_views(const JsonNode& nodes, const NameList& cameras, NameList& frames
     if (const auto target = node.find("target")) view.target = target->whole_number(0, last_target);
     if (const auto image = node.find("image")) view.image = image->text();
     view.observations = observations_from(node.at("points"), problem.targets[view.target]);
+    if (const auto dots = node.find("dots")) {
+      if (!problem.laser) dots->fail("are there, but the file has no laser with rows and columns; add it");
+      view.dots = dots_from(*dots, problem.laser->grid);
+    }
     problem.views.push_back(std::move(view));
   }
 }
@@ -114,24 +120,28 @@ void read_views(const JsonNode& nodes, const NameList& cameras, NameList& frames
 std::string text_from_observations(const ObservationsFile& file) {
   OrderedJson views = OrderedJson::array();
   for (const TargetView& view : file.problem.views) views.push_back(json_from_view(file.problem, view));
-  const OrderedJson json{{"format", kFormat},
-                         {"version", kVersion},
-                         {"conventions",
-                          {{"pixel", "(0, 0) is the centre of the top-left pixel"},
-                           {"target_points", "id, x, y, z in metres"},
-                           {"points", "id, u, v, sigma in pixels"}}},
-                         {"targets", json_from_targets(file.problem.targets)},
-                         {"cameras", json_from_cameras(file)},
-                         {"frames", file.problem.frames},
-                         {"views", views}};
-  return pretty_text(json, "views");
+  OrderedJson json{{"format", kFormat},
+                   {"version", kVersion},
+                   {"conventions",
+                    {{"pixel", "(0, 0) is the centre of the top-left pixel"},
+                     {"target_points", "id, x, y, z in metres"},
+                     {"points", "id, u, v, sigma in pixels"}}},
+                   {"targets", json_from_targets(file.problem.targets)},
+                   {"cameras", json_from_cameras(file)},
+                   {"frames", file.problem.frames}};
+  if (file.problem.laser) {
+    json["conventions"]["dots"] = "u, v, covariance uu, uv, vv in square pixels, row, column or null, brightness";
+    json["laser"] = json_from_laser(*file.problem.laser);
+  }
+  json["views"] = views;
+  return pretty_text(json, {"views"});
 }
 
 ObservationsFile observations_from_text(std::string_view text, const std::string& name) {
   const JsonDocument document = parse_json(text, name);
   const JsonNode root(document);
   expect_format(root, kFormat, kVersion);
-  root.expect_keys({"format", "version", "conventions", "targets", "cameras", "frames", "views"});
+  root.expect_keys({"format", "version", "conventions", "targets", "cameras", "frames", "laser", "views"});
 
   ObservationsFile file;
   const JsonNode targets = root.at("targets");
@@ -151,6 +161,7 @@ ObservationsFile observations_from_text(std::string_view text, const std::string
     if (frames.contains(frame.name())) frame.fail(in_quotes(frame.text()) + " stands twice; rename one frame");
     frames.index_of(frame.text());
   }
+  if (const auto laser = root.find("laser")) file.problem.laser = laser_from(*laser);
   read_views(root.at("views"), cameras, frames, listed.has_value(), file.problem);
   file.problem.frames = frames.names();
   check_as_part_of(name, file.problem);

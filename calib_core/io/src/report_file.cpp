@@ -142,7 +142,7 @@ std::string text_from_report(const CalibrationProblem& problem, const Calibratio
       {"observation_columns", {"point_id", "u_px", "v_px", "sigma_px", "residual_u_px", "residual_v_px", "fate"}},
       {"views", json_from_views(problem, result)},
       {"provenance", json_from_provenance(extra.provenance)}};
-  return pretty_text(json, "views");
+  return pretty_text(json, {"views"});
 }
 
 void write_report(const std::filesystem::path& path, const CalibrationProblem& problem, const CalibrationResult& result,

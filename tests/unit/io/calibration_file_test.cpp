@@ -53,6 +53,28 @@ TEST(CalibrationFile, SaveAndLoadIsTheIdentityForEveryExampleOfEveryModel) {
   EXPECT_EQ(text_from_calibration(saved), text_from_calibration(loaded));
 }
 
+TEST(CalibrationFile, BeamsKeepTheirBits) {
+  const LaserPattern saved = small_pattern();
+  const LaserPattern loaded =
+      *calibration_from_text(text_from_calibration(full_calibration()), "c.json").calibration.laser;
+  EXPECT_EQ(std::tie(saved.grid.rows, saved.grid.columns), std::tie(loaded.grid.rows, loaded.grid.columns));
+  ASSERT_EQ(saved.beams.size(), loaded.beams.size());
+  for (std::size_t i = 0; i < saved.beams.size(); ++i) {
+    const LaserBeam &a = saved.beams[i], &b = loaded.beams[i];
+    EXPECT_EQ(std::tie(a.row, a.column, a.hits, a.nearest_hit_m, a.farthest_hit_m),
+              std::tie(b.row, b.column, b.hits, b.nearest_hit_m, b.farthest_hit_m));
+    EXPECT_TRUE(same_bits(a.line.point, b.line.point));
+    EXPECT_TRUE(same_bits(a.line.direction, b.line.direction));
+    EXPECT_TRUE(same_bits(a.covariance, b.covariance));
+  }
+  EXPECT_EQ(saved.zero_order_row, loaded.zero_order_row);
+  EXPECT_EQ(saved.grating->wavelength_scale, loaded.grating->wavelength_scale);
+  EXPECT_TRUE(same_bits(saved.grating->rig_from_projector.translation, loaded.grating->rig_from_projector.translation));
+  CalibrationFile without = full_calibration();
+  without.calibration.laser.reset();
+  EXPECT_FALSE(calibration_from_text(text_from_calibration(without), "c.json").calibration.laser);
+}
+
 TEST(CalibrationFile, RandomNumbersKeepTheirBits) {
   std::mt19937_64 random(3);
   CalibrationFile file;
@@ -140,10 +162,14 @@ TEST(CalibrationFile, EveryComplaintNamesLineAndKey) {
       {"\"fx\": 333.3333333333333", "\"fx\": null", "parameters.fx is null, where a number is expected"},
       {"\"rotation_xyzw\": [", "\"rotation_xyzw\": [1, ", "rotation_xyzw has 5 entries where 4 are expected"},
       {"\"lower_triangle\": [", "\"lower_triangle\": [ [1],", "covariance.lower_triangle has 4 entries where 3"},
-      {"\"cameras\": [", "\"cameras\": [], \"old\": [", "c.json:17: cameras is empty; a calibration has at least one"},
+      {"\"cameras\": [", "\"cameras\": [], \"old\": [", "c.json:18: cameras is empty; a calibration has at least one"},
       {"\"targets\": [", "\"targets\": 3, \"old\": [", "targets is a number, where an array is expected"},
       {"[11,10,9", "[11,11,9", "targets[0].symmetries[0] is not a reordering of the ids"},
       {"[1,0.0333", "[0,0.0333", "targets[0].points[1] has id 0 after 0; sort the points by id"},
+      {"\"direction\":[0.0", "\"direction\":[1.0", "laser.beams[0].direction is no unit vector"},
+      {"\"row\":0", "\"row\":7", "laser.beams[0].row is 7; it must be a whole number from 0 to 1"},
+      {"\"column\":2", "\"column\":0", "laser.beams[1] stands after a beam of the same or a later row and column"},
+      {"\"covariance\":[[1e-07", "\"covariance\":[[-1", "laser.beams[0].covariance[0] has a negative variance"},
       {"\"camera\":\"", "\"camera\":\"not", "self_test[0].camera 'not"},
       {"\"provenance\": {", "\"provenance\": {,", "this is not valid JSON, the mistake is at the end of"},
   };

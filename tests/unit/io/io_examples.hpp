@@ -38,6 +38,25 @@ inline std::vector<RigCamera> camera_of_every_example() {
   return cameras;
 }
 
+/// Three of six beams, and their grating.
+inline LaserPattern small_pattern() {
+  LaserPattern pattern{{2, 3}, {}, Grating{}, 0.5, 1.0};
+  pattern.grating->rig_from_projector = awkward_rigid3(3);
+  pattern.grating->column_pitch = 0.1 / 3.0;
+  pattern.grating->wavelength_scale = 1.0 + 1e-3 / 3.0;
+  for (const int beam : {0, 2, 4}) {
+    LaserBeam each{pattern.grid.row(beam), pattern.grid.column(beam), {}};
+    each.line = {{0.1 * beam / 3.0, -0.2, 0.7}, Eigen::Vector3d(0.1 * beam, 1.0 / 3.0, 1.0).normalized()};
+    each.covariance = Eigen::Vector4d(1e-7, 2e-7, 1e-6 / 3.0, 4e-7).asDiagonal();
+    each.covariance(0, 2) = each.covariance(2, 0) = 1e-8 / 3.0;
+    each.hits = 10 + beam;
+    each.nearest_hit_m = 0.1 + 0.2;
+    each.farthest_hit_m = 1.0;
+    pattern.beams.push_back(each);
+  }
+  return pattern;
+}
+
 /// A calibration that uses every part of the format.
 inline CalibrationFile full_calibration() {
   CalibrationFile file;
@@ -51,6 +70,7 @@ inline CalibrationFile full_calibration() {
   const std::string first = calibration.cameras[0].name;
   calibration.covariance.names = {first + ".fx", first + ".camera_from_rig.rotation_x", "board.bend_x"};
   calibration.covariance.matrix = Eigen::Matrix3d{{1.0 / 3.0, 1e-9, -0.1}, {1e-9, 2e-7, 1e-12}, {-0.1, 1e-12, 0.7}};
+  calibration.laser = small_pattern();
   file.rms_px = 0.1 + 0.2;
   file.variance_factor = 1.0 / 7.0;
   for (std::size_t i = 0; i < calibration.cameras.size(); ++i) {
@@ -82,6 +102,14 @@ inline ObservationsFile small_observations() {
     camera.model = ModelId{};
   }
   file.models.assign(file.problem.cameras.size(), std::nullopt);
+  ProblemLaser laser{{2, 3}};
+  laser.anchor = LaserAnchor{0, {10.1, 1.0 / 3.0}, 4};
+  laser.brightest = 4;
+  laser.missing = {5, 1};
+  file.problem.laser = laser;
+  Eigen::Matrix2d covariance;
+  covariance << 0.01, 1e-3 / 3.0, 1e-3 / 3.0, 0.02;
+  file.problem.views[0].dots = {{{100.1, 200.2}, covariance, 4, 1000.0 / 3.0}, {{10.1, 1.0 / 3.0}, covariance}};
   file.models[1] = file.problem.cameras[1].model = *model_named("kannala_brandt");
   return file;
 }

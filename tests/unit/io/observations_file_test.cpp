@@ -44,7 +44,36 @@ TEST(ObservationsFile, SaveAndLoadIsTheIdentity) {
       EXPECT_EQ(a.observations[k].pixel, b.observations[k].pixel);
       EXPECT_EQ(a.observations[k].sigma_px, b.observations[k].sigma_px);
     }
+    ASSERT_EQ(a.dots.size(), b.dots.size());
+    for (std::size_t k = 0; k < a.dots.size(); ++k) {
+      EXPECT_EQ(a.dots[k].pixel, b.dots[k].pixel);
+      EXPECT_EQ(a.dots[k].covariance_px2, b.dots[k].covariance_px2);
+      EXPECT_EQ(a.dots[k].beam, b.dots[k].beam);
+      EXPECT_EQ(a.dots[k].brightness, b.dots[k].brightness);
+    }
   }
+}
+
+TEST(ObservationsFile, DotsNeedNoLabelAndNoBrightness) {
+  const std::string laser = replaced(short_file(), "\"views\"", "\"laser\": {\"rows\": 2, \"columns\": 3},\n\"views\"");
+  const auto with_dots = [&](const std::string& dots) {
+    return replaced(laser, "\"points\": []", "\"points\": [], \"dots\": " + dots);
+  };
+  const ObservationsFile file = observations_from_text(
+      with_dots("[[1,2,0.1,0,0.2],[3,4,0.1,0,0.2,null,null],[5,6,0.1,0,0.2,1,2],[7,8,0.1,0,0.2,0,1,99]]"), "o.json");
+  const std::vector<Dot>& dots = file.problem.views[2].dots;
+  ASSERT_EQ(dots.size(), 4u);
+  EXPECT_EQ(dots[0].beam, kUnlabelled);
+  EXPECT_EQ(dots[1].beam, kUnlabelled);
+  EXPECT_EQ(dots[2].beam, 5);
+  EXPECT_EQ(dots[3].brightness, 99);
+  EXPECT_EQ(file.problem.laser->grid.size(), 6);
+  EXPECT_THAT(read_message(with_dots("[[1,2,0.1,0]]")), HasSubstr("views[2].dots[0] has 4 entries"));
+  EXPECT_THAT(read_message(with_dots("[[1,2,0.1,0,0.2,1,null]]")), HasSubstr("has a row or a column, but not both"));
+  EXPECT_THAT(read_message(with_dots("[[1,2,0.1,0,0.2,2,0]]")), HasSubstr("whole number from 0 to 1"));
+  EXPECT_THAT(read_message(with_dots("[[1,2,0.1,9,0.2]]")), HasSubstr("positive definite"));
+  EXPECT_THAT(read_message(replaced(short_file(), "\"points\": []", "\"points\": [], \"dots\": []")),
+              HasSubstr("views[2].dots are there, but the file has no laser"));
 }
 
 TEST(ObservationsFile, EveryViewIsOneLine) {
