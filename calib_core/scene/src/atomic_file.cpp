@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <memory>
 #include <sstream>
 #include <string>
 
@@ -25,45 +26,6 @@ namespace fs = std::filesystem;
               path.string());
 }
 
-// Closes the file, and removes it unless it has been given its final name.
-class TemporaryFile {
- public:
-  TemporaryFile(const fs::path& path, int flags, bool remove_on_failure)
-      : path_(path), remove_(remove_on_failure), descriptor_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  ~TemporaryFile() {
-    if (descriptor_ < 0) return;
-    ::close(descriptor_);
-    if (remove_) ::unlink(path_.c_str());
-  }
-
-  bool is_open() const { return descriptor_ >= 0; }
-
-  bool write(std::string_view bytes) {
-    while (!bytes.empty()) {
-      const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written < 0) return false;
-      bytes.remove_prefix(static_cast<size_t>(written));
-    }
-    return true;
-  }
-
-  bool flush() { return ::fsync(descriptor_) == 0; }
-
-  bool rename_to(const fs::path& path) {
-    if (::rename(path_.c_str(), path.c_str()) != 0) return false;
-    remove_ = false;
-    return true;
-  }
-
- private:
-  fs::path path_;
-  bool remove_;
-  int descriptor_;
-};
-
 // Unique among the threads of this process and the processes of this machine.
 fs::path temporary_name(const fs::path& path) {
   static std::atomic<unsigned> counter{0};
@@ -72,19 +34,87 @@ fs::path temporary_name(const fs::path& path) {
   return path.parent_path() / name.str();
 }
 
+bool write_all(int descriptor, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    bytes.remove_prefix(static_cast<size_t>(written));
+  }
+  return true;
+}
+
+// Bytes on their way to a path. Where the file system can, the file has no name until it is whole, so that not even a
+// killed program leaves a part of it behind; elsewhere it has a temporary one.
+class PendingFile {
+ public:
+  explicit PendingFile(const fs::path& path) : path_(path), temporary_(temporary_name(path)) {
+    const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+    descriptor_ = ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+    if (descriptor_ >= 0) return;
+    descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) fail(path_, errno);
+    named_ = true;
+  }
+  PendingFile(const PendingFile&) = delete;
+  PendingFile& operator=(const PendingFile&) = delete;
+  ~PendingFile() {
+    ::close(descriptor_);
+    if (named_) ::unlink(temporary_.c_str());
+  }
+
+  void write(std::string_view bytes) {
+    if (!write_all(descriptor_, bytes) || ::fsync(descriptor_) != 0) fail(path_, errno);
+  }
+
+  /// Gives the whole file its temporary name: what may still fail for want of space.
+  void name() {
+    if (named_) return;
+    const std::string self = "/proc/self/fd/" + std::to_string(descriptor_);
+    if (::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, temporary_.c_str(), AT_SYMLINK_FOLLOW) != 0) fail(path_, errno);
+    named_ = true;
+  }
+
+  void rename() {
+    if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail(path_, errno);
+    named_ = false;
+  }
+
+ private:
+  fs::path path_, temporary_;
+  int descriptor_ = -1;
+  bool named_ = false;
+};
+
+void write_to_device(const fs::path& path, std::string_view bytes) {
+  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  if (descriptor < 0) fail(path, errno);
+  const int error_number = write_all(descriptor, bytes) ? 0 : errno;
+  ::close(descriptor);
+  if (error_number != 0) fail(path, error_number);
+}
+
 }  // namespace
 
-void write_file_whole(const fs::path& path, std::string_view bytes) {
-  std::error_code ignored;
-  const fs::file_status status = fs::status(path, ignored);
-  if (fs::is_directory(status)) fail(path, EISDIR);
-  if (fs::exists(status) && !fs::is_regular_file(status)) {
-    TemporaryFile device(path, O_WRONLY, false);
-    if (!device.is_open() || !device.write(bytes)) fail(path, errno);
-    return;
+void write_files_whole(const std::vector<WholeFile>& files) {
+  std::vector<const WholeFile*> devices;
+  std::vector<std::unique_ptr<PendingFile>> pending;
+  for (const WholeFile& file : files) {
+    std::error_code ignored;
+    const fs::file_status status = fs::status(file.path, ignored);
+    if (fs::is_directory(status)) fail(file.path, EISDIR);
+    if (fs::exists(status) && !fs::is_regular_file(status)) {
+      devices.push_back(&file);
+      continue;
+    }
+    pending.push_back(std::make_unique<PendingFile>(file.path));
+    pending.back()->write(file.bytes);
   }
-  TemporaryFile file(temporary_name(path), O_WRONLY | O_CREAT | O_EXCL, true);
-  if (!file.is_open() || !file.write(bytes) || !file.flush() || !file.rename_to(path)) fail(path, errno);
+  for (const auto& file : pending) file->name();
+  for (const WholeFile* device : devices) write_to_device(device->path, device->bytes);
+  for (const auto& file : pending) file->rename();
 }
+
+void write_file_whole(const fs::path& path, std::string_view bytes) { write_files_whole({{path, bytes}}); }
 
 }  // namespace raybundle

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string_view>
+#include <vector>
 
 namespace raybundle {
 
@@ -14,5 +15,17 @@ namespace raybundle {
 ///
 /// @throws Error(kIo) naming the path; the temporary file is removed
 void write_file_whole(const std::filesystem::path& path, std::string_view bytes);
+
+/// A file that is to be written.
+struct WholeFile {
+  std::filesystem::path path;
+  std::string_view bytes;  ///< of the caller, who keeps them
+};
+
+/// Writes files that belong together: none of them changes its name before all of them lie whole on the disk, so that
+/// a full disk leaves all of the old ones.
+///
+/// @throws Error(kIo) as write_file_whole
+void write_files_whole(const std::vector<WholeFile>& files);
 
 }  // namespace raybundle
