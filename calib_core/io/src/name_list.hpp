@@ -32,7 +32,7 @@ class NameList {
   std::vector<std::string> names_;
 };
 
-/// check() with the name of the file in front of what it has to say.
+/// check(), and that no two points of a view have the same pixel, with the name of the file in front of what they say.
 void check_as_part_of(const std::string& file, const CalibrationProblem& problem);
 
 }  // namespace raybundle
