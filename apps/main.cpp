@@ -2,23 +2,34 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 #include <glog/logging.h>
+#include <opencv2/core.hpp>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
+#include <new>
+#include <system_error>
 
 #include "raybundle/geometry/error.hpp"
 #include "terminal.hpp"
+#include "usage_error.hpp"
 #include "verbs.hpp"
 
 namespace {
 
 using raybundle::ErrorKind;
+using raybundle::apps::say_error;
 
+constexpr const char* kNoMemory =
+    "there is not enough memory; use fewer threads (--threads 1), fewer or smaller images, or another machine";
 constexpr int kDone = 0, kGateFailed = 1, kWrongUsage = 2, kNotEnoughData = 3, kSolveFailed = 4, kIo = 5;
 
 int exit_code(ErrorKind kind) {
@@ -35,9 +46,63 @@ int exit_code(ErrorKind kind) {
   return kSolveFailed;
 }
 
+std::string output_failure(const char* why) { return fmt::format("standard output cannot be written: {}", why); }
+
+// What was written to standard output has to have arrived there.
+void flush_output() {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
+  throw raybundle::Error(ErrorKind::kIo, output_failure(std::strerror(errno)));
+}
+
+// The exit code of the exception that is being handled, after one line on stderr.
+int said_exit_code(const CLI::App& app) try { throw; } catch (const CLI::ParseError& error) {
+  if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
+  say_error(raybundle::apps::usage_message(app, error));
+  return kWrongUsage;
+} catch (const raybundle::apps::GateFailed&) {
+  return std::fflush(stdout) == 0 ? kGateFailed : kIo;
+} catch (const raybundle::Error& error) {
+  say_error(error.what());
+  return exit_code(error.kind());
+} catch (const std::bad_alloc&) {
+  say_error(kNoMemory);
+  return kIo;
+} catch (const cv::Exception& error) {
+  const bool memory = error.code == cv::Error::StsNoMem;
+  say_error(memory ? kNoMemory : fmt::format("unexpected: {}; this is a bug, please report it", error.what()));
+  return memory ? kIo : kSolveFailed;
+} catch (const std::system_error& error) {
+  const bool output = std::ferror(stdout) != 0;
+  say_error(output ? output_failure(error.code().message().c_str()) : error.what());
+  return kIo;
+} catch (const std::exception& error) {
+  say_error(fmt::format("unexpected: {}; this is a bug, please report it", error.what()));
+  return kSolveFailed;
+}
+
+// An exception that leaves a thread or a destructor ends here: memory that ran out in there is no bug.
+[[noreturn]] void end_at_once() {
+  const bool memory = [] {
+    try {
+      if (std::current_exception()) throw;
+    } catch (const std::bad_alloc&) {
+      return true;
+    } catch (...) {
+    }
+    return false;
+  }();
+  if (!memory) std::abort();
+  std::fputs("raybundle: error: ", stderr);
+  std::fputs(kNoMemory, stderr);
+  std::fputs("\n", stderr);
+  std::_Exit(kIo);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that grows too large is then an error of writing, which we can say
+  std::set_terminate(end_at_once);
   cv::setNumThreads(1);                    // images are worked on side by side by our own threads
   FLAGS_minloglevel = google::GLOG_FATAL;  // Ceres logs each step that it rejects; we report the outcome
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // we say ourselves what cannot be read
@@ -54,16 +119,9 @@ int main(int argc, char** argv) {
 
   try {
     app.parse(argc, argv);
+    flush_output();
     return kDone;
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kDone : kWrongUsage;
-  } catch (const raybundle::apps::GateFailed&) {
-    return kGateFailed;
-  } catch (const raybundle::Error& error) {
-    raybundle::apps::say_error(error.what());
-    return exit_code(error.kind());
-  } catch (const std::exception& error) {
-    raybundle::apps::say_error(fmt::format("unexpected: {}; this is a bug, please report it", error.what()));
-    return kSolveFailed;
+  } catch (...) {
+    return said_exit_code(app);
   }
 }
