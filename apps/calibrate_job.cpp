@@ -8,13 +8,14 @@
 #include <filesystem>
 
 #include "calibration_summary.hpp"
+#include "data_warnings.hpp"
+#include "output_folder.hpp"
 #include "predicted_corners.hpp"
 #include "raybundle/calibrate/calibrate.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
 #include "raybundle/io/hash.hpp"
 #include "raybundle/io/report_file.hpp"
-#include "raybundle/scene/atomic_file.hpp"
 #include "report_page.hpp"
 #include "terminal.hpp"
 
@@ -22,20 +23,6 @@ namespace raybundle::apps {
 namespace {
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
-
-// Found out before the work, not after it.
-void require_writable(const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (!error) {
-    const std::filesystem::path probe = std::filesystem::path(folder) / ".raybundle-probe";
-    write_file_whole(probe, "");
-    std::filesystem::remove(probe, error);
-    return;
-  }
-  throw Error(ErrorKind::kIo,
-              fmt::format("the output folder {} cannot be made: {}; choose another with -o", folder, error.message()));
-}
 
 void take_start(const std::string& path, CalibrationProblem& problem) {
   const CalibrationFile start = read_calibration(path);
@@ -62,6 +49,7 @@ CalibrateOptions merged_options(CalibrateOptions options, const CalibrateJob& jo
               }
             });
       });
+  check_options(options, "the command line");
   return options;
 }
 
@@ -90,7 +78,8 @@ Provenance provenance_of(const CalibrateJob& job, const CalibrateOptions& option
   Provenance provenance;
   provenance.command = job.command;
   provenance.versions = {{"raybundle", RAYBUNDLE_VERSION}};
-  CalibrateOptions::for_each_option(options, [&](const char* name, const char*, const char*, const auto& value) {
+  CalibrateOptions::for_each_option(options, [&](std::string_view name, const char*, const char*, const auto& value) {
+    if (name == "threads") return;  // the result does not depend on them, and its file is to be the same byte by byte
     provenance.options.emplace_back(name, fmt::format("{}", value));
   });
   if (!job.input.dataset.empty()) provenance.inputs.push_back({job.input.dataset, sha256_of_file(job.input.dataset)});
@@ -101,19 +90,23 @@ Provenance provenance_of(const CalibrateJob& job, const CalibrateOptions& option
   return provenance;
 }
 
-// Seconds of the stages in the order of the work; the second solve, with the predicted corners, counts as `refine`.
-std::vector<StageTime> stages_of(double detect_seconds, const CalibrationResult& first, double refine_seconds) {
-  std::vector<StageTime> stages{{"detect", detect_seconds}};
-  for (const char* name : {"start", "solve"}) {
-    for (const StageTime& stage : first.stages) {
-      if (stage.name == name) stages.push_back(stage);
-    }
-  }
-  stages.push_back({"refine", refine_seconds});
-  for (const StageTime& stage : first.stages) {
-    if (stage.name == "uncertainty") stages.push_back(stage);
-  }
-  return stages;
+double seconds_of(const CalibrationResult& result, std::string_view name) {
+  double seconds = 0.0;
+  for (const StageTime& stage : result.stages) seconds += stage.name == name ? stage.seconds : 0.0;
+  return seconds;
+}
+
+// Seconds of the stages in the order of the work. `refine` is everything from the first solve to the last, but for the
+// uncertainty of the last, which is the one that is reported.
+std::vector<StageTime> stages_of(double detect_seconds, const CalibrationResult& first, const CalibrationResult& last,
+                                 double refine_seconds, bool refined) {
+  const double first_uncertainty = seconds_of(first, "uncertainty"), last_uncertainty = seconds_of(last, "uncertainty");
+  if (refined) refine_seconds += first_uncertainty - last_uncertainty;
+  return {{"detect", detect_seconds},
+          {"start", seconds_of(first, "start")},
+          {"solve", seconds_of(first, "solve")},
+          {"refine", refine_seconds},
+          {"uncertainty", last_uncertainty}};
 }
 
 // The current folder, where image paths start, as seen from another one.
@@ -142,12 +135,26 @@ std::string next_command(const CalibrateJob& job, const CalibrationResult& resul
   return command;
 }
 
+// The three files, together; the stage `write` is what comes before the report has to be finished.
+std::string write_all(const CalibrateJob& job, const CalibrationProblem& problem, CalibrationResult& result,
+                      const ReportExtra& extra) {
+  const double begin = now();
+  const std::filesystem::path folder(job.output);
+  const std::string calibration = text_from_calibration(calibration_file(problem, result, extra.provenance));
+  result.stages.push_back({"write", now() - begin});
+  const std::string report = text_from_report(problem, result, extra);
+  const std::string page = report_page(report, folder_from(folder));
+  write_results(
+      folder,
+      {{folder / "calibration.json", calibration}, {folder / "report.json", report}, {folder / "report.html", page}});
+  return report;
+}
+
 }  // namespace
 
 void run_calibration(const CalibrateJob& job) {
   Dataset dataset = dataset_of(job.input, true);
-  CalibrateOptions options = merged_options(dataset.options, job);
-  options.threads = job.input.detect.threads;
+  const CalibrateOptions options = merged_options(dataset.options, job);
   require_writable(job.output);
 
   DetectedImages images = observe(job.input, dataset);
@@ -159,25 +166,19 @@ void run_calibration(const CalibrateJob& job) {
   require_values(problem.rules, job.start);
   if (!job.start.empty()) take_start(job.start, problem);
 
-  CalibrationResult result = calibrate_explained(problem, options, images);
+  const CalibrationResult first = calibrate_explained(problem, options, images);
+  CalibrationResult result = first;
   for (const std::string& hint : images.hints) say_warning(hint);
-  const CalibrationResult first = result;
   const double refine_begin = now();
+  bool refined = false;
   if (job.predict_corners && !images.files.empty()) {
-    const int added = add_predicted_corners(dataset, result, images, job.input.detect);
-    if (added > 0) result = calibrate(problem, options);
+    refined = add_predicted_corners(dataset, result, images, detect_options(job.input, dataset)) > 0;
+    if (refined) result = calibrate(problem, options);
   }
-  result.stages = stages_of(images.seconds, first, now() - refine_begin);
+  result.stages = stages_of(images.seconds, first, result, now() - refine_begin, refined);
+  for (const std::string& warning : data_warnings(problem, result)) result.warnings.push_back(warning);
 
-  const double write_begin = now();
-  const std::filesystem::path folder(job.output);
-  const ReportExtra extra{images.unused, provenance_of(job, options, images)};
-  write_calibration(folder / "calibration.json", calibration_file(problem, result, extra.provenance));
-  result.stages.push_back({"write", now() - write_begin});
-  const std::string report = text_from_report(problem, result, extra);
-  write_file_whole(folder / "report.json", report);
-  write_file_whole(folder / "report.html", report_page(report, folder_from(folder)));
-
+  const std::string report = write_all(job, problem, result, {images.unused, provenance_of(job, options, images)});
   if (job.json) {
     fmt::print("{}\n", report);
     return;

@@ -10,6 +10,7 @@
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/observation_tables.hpp"
 #include "raybundle/targets/board_file.hpp"
+#include "repeated_views.hpp"
 
 namespace raybundle::apps {
 namespace {
@@ -82,15 +83,21 @@ void add_input_flags(CLI::App& verb, InputFlags& flags) {
   verb.add_option("--image-size", flags.sizes, "of a camera whose corners stand in a .csv or .vnl, as left=1280x960")
       ->type_name("NAME=WxH")
       ->allow_extra_args(false);
-  verb.add_option("--threads", flags.detect.threads, "worker threads; results do not depend on them")
-      ->check(CLI::Range(1, 256))
-      ->capture_default_str();
-  verb.add_flag("!--no-cache", flags.detect.use_cache, "detect again even when the images have been seen before");
+  verb.add_option("--threads", flags.threads, "worker threads; results do not depend on them")
+      ->check(CLI::Range(1, kMostThreads))
+      ->default_str(fmt::format("{}", CalibrateOptions{}.threads))
+      ->type_name("INT");
+  verb.add_flag("!--no-cache", flags.use_cache, "detect again even when the images have been seen before");
+}
+
+DetectOptions detect_options(const InputFlags& flags, const Dataset& dataset) {
+  return {dataset.options.threads, flags.use_cache};
 }
 
 Dataset dataset_of(const InputFlags& flags, bool need_models) {
   Dataset dataset;
   if (!flags.dataset.empty()) dataset = read_dataset(flags.dataset);
+  if (flags.threads) dataset.options.threads = *flags.threads;
   if (!flags.target.empty()) dataset.boards = {{"board", board_of(flags.target)}};
   if (!flags.cameras.empty()) {
     dataset.cameras.clear();
@@ -122,7 +129,11 @@ Dataset dataset_of(const InputFlags& flags, bool need_models) {
 }
 
 DetectedImages observe(const InputFlags& flags, const Dataset& dataset) {
-  if (flags.observations.empty()) return detect_images(dataset, flags.detect);
+  if (flags.observations.empty()) {
+    DetectedImages images = detect_images(dataset, detect_options(flags, dataset));
+    leave_out_repeated_views(images);
+    return images;
+  }
   DetectedImages images;
   ObservationsFile& file = images.observations;
   if (is_json(flags.observations)) {
@@ -151,6 +162,7 @@ DetectedImages observe(const InputFlags& flags, const Dataset& dataset) {
     if (!one[0].model.empty()) file.models[c] = model_from_name(one[0].model, "--model");
     if (file.models[c]) file.problem.cameras[c].model = *file.models[c];
   }
+  leave_out_repeated_views(images);
   return images;
 }
 

@@ -20,11 +20,15 @@ struct InputFlags {
   std::vector<std::string> models;   ///< MODEL for all cameras, or NAME=MODEL
   std::string observations;          ///< .json, .csv or .vnl file of corners that were found before
   std::vector<std::string> sizes;    ///< NAME=WxH, for observations in .csv and .vnl
-  DetectOptions detect;
+  std::optional<int> threads;        ///< override the dataset's
+  bool use_cache = true;
 };
 
 /// Declares the flags on a verb.
 void add_input_flags(CLI::App& verb, InputFlags& flags);
+
+/// How to look at the images, the flags having been merged into the data set.
+DetectOptions detect_options(const InputFlags& flags, const Dataset& dataset);
 
 /// The data set that the flags describe.
 ///

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "held_out.hpp"
 #include "input_flags.hpp"
 #include "raybundle/calibrate/calibrate.hpp"
 #include "raybundle/geometry/error.hpp"
@@ -19,39 +20,20 @@ struct ValidateFlags {
   std::string calibration;
   InputFlags input;
   double max_rms_px = 0.0;  // 0: twice what the calibration itself reached
+  double min_share = 0.75;  // of the views, which have to fit at all
   bool json = false;
 };
-
-// The other observations with everything fixed to the calibration but the poses of the boards.
-CalibrationProblem held_out_problem(const CalibrationFile& file, const CalibrationProblem& observed) {
-  CalibrationProblem problem = observed;
-  for (ProblemCamera& camera : problem.cameras) {
-    const RigCamera& known = camera_named(file.calibration, camera.name);
-    if (camera.size != known.camera.size) {
-      throw Error(ErrorKind::kBadInput,
-                  fmt::format("camera {} has {}x{} images, but was calibrated at {}x{}", camera.name, camera.size.width,
-                              camera.size.height, known.camera.size.width, known.camera.size.height));
-    }
-    camera.model = known.camera.model;
-    camera.parameters = known.camera.parameters;
-    camera.camera_from_rig = known.camera_from_rig;
-  }
-  problem.rules = {{"*.intrinsics", ParameterRule::Kind::kFixed, {}, 0.0}};
-  if (problem.cameras.size() > 1) problem.rules.push_back({"*.camera_from_rig", ParameterRule::Kind::kFixed, {}, 0.0});
-  return problem;
-}
-
-// The rig frame of the observations is that of their first camera.
-void refer_to_first_camera(CalibrationProblem& problem) {
-  const Rigid3 rig_from_first = problem.cameras.front().camera_from_rig->inverse();
-  for (ProblemCamera& camera : problem.cameras) camera.camera_from_rig = *camera.camera_from_rig * rig_from_first;
-}
 
 struct CameraVerdict {
   std::string name;
   CameraSummary summary;
   double limit_px = 0.0;
-  bool passed = false;
+  double min_share = 0.0;
+
+  double share() const { return summary.views_total > 0 ? double(summary.views_used) / summary.views_total : 0.0; }
+  bool fits() const { return summary.views_used > 0 && summary.rms_px <= limit_px; }
+  bool enough_views() const { return summary.views_used > 0 && share() >= min_share; }
+  bool passed() const { return fits() && enough_views(); }
 };
 
 double limit_px(const ValidateFlags& flags, const CalibrationFile& file, const std::string& camera) {
@@ -71,8 +53,9 @@ void print_json(const std::vector<CameraVerdict>& verdicts, bool passed) {
                        {"limit_px", verdict.limit_px},
                        {"views_used", verdict.summary.views_used},
                        {"views_total", verdict.summary.views_total},
+                       {"min_views_share", verdict.min_share},
                        {"corners_used", verdict.summary.corners_used},
-                       {"passed", verdict.passed}});
+                       {"passed", verdict.passed()}});
   }
   fmt::print("{}\n", nlohmann::ordered_json{{"passed", passed}, {"cameras", cameras}}.dump(2));
 }
@@ -83,30 +66,51 @@ void print_table(const std::vector<CameraVerdict>& verdicts) {
     const CameraSummary& s = verdict.summary;
     rows.push_back({verdict.name, fmt::format("{}/{}", s.views_used, s.views_total), fmt::format("{}", s.corners_used),
                     fmt::format("{:.3f}", s.rms_px), fmt::format("{:.3f}", s.median_px),
-                    fmt::format("{:.3f}", verdict.limit_px), verdict.passed ? "pass" : "FAIL"});
+                    fmt::format("{:.3f}", verdict.limit_px), verdict.passed() ? "pass" : "FAIL"});
   }
   fmt::print("{}", text_table(rows));
 }
 
+// Why a camera failed.
+std::string why_failed(const CameraVerdict& verdict) {
+  const CameraSummary& s = verdict.summary;
+  if (s.views_used == 0) return fmt::format("{}: none of its {} views fits", verdict.name, s.views_total);
+  if (!verdict.enough_views()) {
+    return fmt::format("{}: only {} of its {} views fit, and {:.0f} % have to (--min-views)", verdict.name,
+                       s.views_used, s.views_total, 100 * verdict.min_share);
+  }
+  return fmt::format("{}: {:.3f} px is above its limit of {:.3f} px (--max-rms)", verdict.name, s.rms_px,
+                     verdict.limit_px);
+}
+
+void print_next_step(const std::vector<CameraVerdict>& verdicts) {
+  for (const CameraVerdict& verdict : verdicts) {
+    if (!verdict.passed()) fmt::print("FAIL  {}\n", why_failed(verdict));
+  }
+  fmt::print(
+      "next  look at a few of these images: sharp, the same board, the same focus and zoom? If so the camera has "
+      "changed since: calibrate again, with these images among the others\n");
+}
+
 void run(const ValidateFlags& flags) {
   const CalibrationFile file = read_calibration(flags.calibration);
-  const DetectedImages images = observe(flags.input, dataset_of(flags.input, false));
+  const Dataset dataset = dataset_of(flags.input, false);
+  const DetectedImages images = observe(flags.input, dataset);
   require_views(images);
-  CalibrationProblem problem = held_out_problem(file, images.observations.problem);
-  refer_to_first_camera(problem);
+  const HeldOut held = held_out(file, images.observations.problem);
+  const CalibrationProblem& problem = held.problem;
+  for (const std::string& warning : held.warnings) say_warning(warning);
   CalibrateOptions options;
-  options.threads = flags.input.detect.threads;
+  options.threads = dataset.options.threads;
   options.estimate_shape = false;
   const CalibrationResult result = calibrate(problem, options);
 
-  bool passed = true;
   std::vector<CameraVerdict> verdicts;
   for (std::size_t c = 0; c < problem.cameras.size(); ++c) {
-    CameraVerdict verdict{problem.cameras[c].name, result.cameras[c], limit_px(flags, file, problem.cameras[c].name)};
-    verdict.passed = verdict.summary.views_used > 0 && verdict.summary.rms_px <= verdict.limit_px;
-    passed = passed && verdict.passed;
-    verdicts.push_back(verdict);
+    const std::string& name = problem.cameras[c].name;
+    verdicts.push_back({name, result.cameras[c], limit_px(flags, file, name), flags.min_share});
   }
+  const bool passed = std::ranges::all_of(verdicts, &CameraVerdict::passed);
   if (flags.json) {
     print_json(verdicts, passed);
   } else {
@@ -114,6 +118,7 @@ void run(const ValidateFlags& flags) {
     for (const SetAside& aside : result.set_aside) {
       say(fmt::format("set aside: {}: {}", view_name(problem, problem.views[aside.view]), aside.reason));
     }
+    if (!passed) print_next_step(verdicts);
   }
   if (!passed) throw GateFailed{};
 }
@@ -128,6 +133,9 @@ void add_validate_verb(CLI::App& app) {
   verb->add_option("--max-rms", flags->max_rms_px,
                    "gate for each camera [px]; default: twice the calibration's own rms")
       ->check(CLI::PositiveNumber);
+  verb->add_option("--min-views", flags->min_share, "gate for each camera: share of its views that have to fit")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   verb->add_flag("--json", flags->json, "print the result as JSON");
   verb->footer(
       "Example:\n  raybundle validate out/calibration.json --target chessboard:9x6:25mm --camera "

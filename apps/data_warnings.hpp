@@ -1,0 +1,20 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "raybundle/scene/problem.hpp"
+#include "raybundle/scene/result.hpp"
+
+namespace raybundle::apps {
+
+/// A board whose points lie so far apart, or so close, that its unit is probably a mistake; empty for any other.
+std::string unit_warning(const Target& target);
+
+/// What a person should know of the data behind a result that nothing in the result itself can show: boards in the
+/// wrong unit, and cameras that few views stand for.
+std::vector<std::string> data_warnings(const CalibrationProblem& problem, const CalibrationResult& result);
+
+}  // namespace raybundle::apps
