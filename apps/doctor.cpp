@@ -2,10 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <ceres/version.h>
 #include <fmt/format.h>
+#include <unistd.h>
+
 #include <opencv2/core/version.hpp>
+#include <opencv2/videoio/registry.hpp>
 
 #include <CLI/Version.hpp>
 #include <Eigen/Core>
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <thread>
 
@@ -18,7 +23,9 @@
 namespace raybundle::apps {
 namespace {
 
-// Whether a command is on the path: what it would add is said when it is not.
+constexpr const char* kDemoImages = "/usr/share/doc/opencv-doc/examples/data/left01.jpg";
+
+// Whether a command is on the path.
 bool have_command(const std::string& name) {
   const char* path = std::getenv("PATH");
   std::string rest = path == nullptr ? "" : path;
@@ -31,13 +38,56 @@ bool have_command(const std::string& name) {
   return false;
 }
 
+// What is missing, what for, and how to get it.
+struct Missing {
+  std::string what, without_it, remedy;
+};
+
+// A folder in which a file can be made, or the nearest one above it that is there.
+bool can_be_written(std::filesystem::path folder) {
+  std::error_code ignored;
+  while (!folder.empty() && !std::filesystem::exists(folder, ignored)) folder = folder.parent_path();
+  return ::access(folder.empty() ? "." : folder.c_str(), W_OK | X_OK) == 0;
+}
+
+bool can_read_videos() {
+  const std::vector<cv::VideoCaptureAPIs> backends = cv::videoio_registry::getStreamBackends();
+  const auto reads_files = [](cv::VideoCaptureAPIs backend) {
+    return backend == cv::CAP_FFMPEG || backend == cv::CAP_GSTREAMER;
+  };
+  return std::ranges::any_of(backends, reads_files);
+}
+
+std::vector<Missing> missing_things() {
+  std::vector<Missing> missing;
+  const bool browser = std::ranges::any_of(std::array{"chromium", "firefox", "firefox-esr", "google-chrome"},
+                                           [](const char* name) { return have_command(name); });
+  if (!browser) {
+    missing.push_back(
+        {"a web browser", "report.html can only be looked at on another machine", "sudo apt-get install firefox-esr"});
+  }
+  if (!can_read_videos()) {
+    missing.push_back({"OpenCV's video backend", "images can be read, videos cannot",
+                       "sudo apt-get install libopencv-videoio-dev, and build again"});
+  }
+  if (!std::filesystem::exists(kDemoImages)) {
+    missing.push_back({"the images of `raybundle demo`", "all else works; ./dev demo unpacks them by itself",
+                       "sudo apt-get install opencv-doc"});
+  }
+  if (!can_be_written(cache_folder())) {
+    missing.push_back({"a folder for the detection cache", "every run looks at all images again",
+                       "make " + cache_folder() + " writable, or set XDG_CACHE_HOME to a folder that is"});
+  }
+  return missing;
+}
+
 void run() {
   std::string models, kinds;
   for (std::string_view name : model_names()) models += fmt::format("{}{}", models.empty() ? "" : ", ", name);
   for (const BoardKind& kind : board_kinds()) kinds += (kinds.empty() ? "" : ", ") + kind.name;
   std::error_code ignored;
   const bool cached = std::filesystem::exists(cache_folder(), ignored);
-  std::vector<std::vector<std::string>> rows{
+  const std::vector<std::pair<std::string, std::string>> rows{
       {"raybundle", RAYBUNDLE_VERSION},
       {"Ceres Solver", CERES_VERSION_STRING},
       {"OpenCV", CV_VERSION},
@@ -46,10 +96,12 @@ void run() {
       {"boards", kinds},
       {"processors", fmt::format("{}", std::thread::hardware_concurrency())},
       {"detection cache", cache_folder() + (cached ? "" : " (empty)")}};
-  for (const char* browser : {"chromium", "firefox"}) {
-    if (have_command(browser)) rows.push_back({"browser for reports", browser});
+  for (const auto& [what, is] : rows) fmt::print("{:<16} {}\n", what, is);
+  const std::vector<Missing> missing = missing_things();
+  fmt::print("\n{}\n", missing.empty() ? "nothing is missing" : "missing, though calibrating works without:");
+  for (const Missing& each : missing) {
+    fmt::print("  {}: {}\n    {}\n", each.what, each.without_it, each.remedy);
   }
-  fmt::print("{}", text_table(rows));
 }
 
 }  // namespace
