@@ -5,7 +5,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/hash.hpp"
@@ -26,13 +28,24 @@ Json json_from(const Detection& detection) {
   return {{"hint", detection.hint}, {"seen_size", detection.seen_size}, {"points", points}};
 }
 
-Detection detection_from(const Json& json) {
+// What is damaged throws: a wrong type Json::exception, a wrong value Damaged.
+struct Damaged {};
+
+void require(bool law) {
+  if (!law) throw Damaged{};
+}
+
+Detection detection_from(const Json& json, const Target& target) {
   Detection detection;
   detection.hint = json.at("hint").get<std::string>();
   detection.seen_size = json.at("seen_size").get<std::string>();
+  std::set<int> ids;
   for (const Json& p : json.at("points")) {
-    detection.observations.push_back(
-        {p.at(0).get<int>(), {p.at(1).get<double>(), p.at(2).get<double>()}, p.at(3).get<double>()});
+    require(p.is_array() && p.size() == 4);
+    const Observation o{p.at(0).get<int>(), {p.at(1).get<double>(), p.at(2).get<double>()}, p.at(3).get<double>()};
+    require(o.pixel.allFinite() && o.sigma_px > 0 && target.find(o.point_id) != nullptr &&
+            ids.insert(o.point_id).second);
+    detection.observations.push_back(o);
   }
   return detection;
 }
@@ -58,19 +71,30 @@ std::string cache_folder() {
   return (base / "raybundle" / "detections").string();
 }
 
-std::optional<std::vector<CachedFrame>> read_cached(const std::string& key) try {
-  std::ifstream file(entry_path(key));
-  if (!file) return std::nullopt;
+std::optional<std::vector<CachedFrame>> cached_from_text(std::string_view text, const std::vector<Board>& boards) try {
+  std::vector<Target> targets;
+  for (const Board& board : boards) targets.push_back(target_of(board));
   std::vector<CachedFrame> frames;
-  for (const Json& json : Json::parse(file)) {
+  for (const Json& json : Json::parse(text)) {
     CachedFrame frame{
         json.at("frame").get<std::string>(), json.at("width").get<int>(), json.at("height").get<int>(), {}};
-    for (const Json& board : json.at("boards")) frame.boards.push_back(detection_from(board));
+    const Json& found = json.at("boards");
+    require(frame.width > 0 && frame.height > 0 && found.is_array() && found.size() == targets.size());
+    for (std::size_t b = 0; b < targets.size(); ++b) frame.boards.push_back(detection_from(found[b], targets[b]));
     frames.push_back(std::move(frame));
   }
   return frames;
 } catch (const Json::exception&) {
   return std::nullopt;
+} catch (const Damaged&) {
+  return std::nullopt;
+}
+
+std::optional<std::vector<CachedFrame>> read_cached(const std::string& key, const std::vector<Board>& boards) {
+  std::ifstream file(entry_path(key), std::ios::binary);
+  if (!file) return std::nullopt;
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  return cached_from_text(text, boards);
 }
 
 void write_cached(const std::string& key, const std::vector<CachedFrame>& frames) {

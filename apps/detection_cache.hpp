@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "raybundle/targets/detect.hpp"
@@ -24,8 +25,11 @@ std::string cache_key(const std::string& file_sha256, const std::vector<Board>& 
 /// Where detections are kept: $XDG_CACHE_HOME/raybundle/detections or ~/.cache/raybundle/detections.
 std::string cache_folder();
 
+/// The text of a cache entry; nothing when it is damaged, or not of these boards.
+std::optional<std::vector<CachedFrame>> cached_from_text(std::string_view text, const std::vector<Board>& boards);
+
 /// The detections under a key; nothing when there are none or the entry is damaged.
-std::optional<std::vector<CachedFrame>> read_cached(const std::string& key);
+std::optional<std::vector<CachedFrame>> read_cached(const std::string& key, const std::vector<Board>& boards);
 
 /// Keeps detections. A cache that cannot be written is no error: the next run detects again.
 void write_cached(const std::string& key, const std::vector<CachedFrame>& frames);
