@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "kill_runs.hpp"
+
+#include "program.hpp"
+
+namespace raybundle::testing {
+namespace {
+
+constexpr const char* kImages = "opencv_stereo_chess";
+
+/// A few kills; `./dev prove kill` does 200.
+TEST(Killed, LeavesNoHalfFileAndTheNextRunGoesOnFromTheCache) {
+  RAYBUNDLE_NEEDS_DATA(kImages);
+  KillOptions options;
+  options.program = RAYBUNDLE_PROGRAM;
+  options.arguments = {"calibrate",
+                       "--target",
+                       "chessboard:9x6:25mm",
+                       "--camera",
+                       "left=" + (real_data(kImages) / "left0*.jpg").string(),
+                       "--model",
+                       "brown_conrady"};
+  options.folder = fresh_folder();
+  options.kills = 15;
+  const KillOutcome outcome = kill_at_random(options);
+  for (const std::string& fault : outcome.faults) ADD_FAILURE() << fault;
+  EXPECT_EQ(outcome.killed + outcome.finished, options.kills);
+  EXPECT_GE(outcome.killed, options.kills / 2);
+}
+
+}  // namespace
+}  // namespace raybundle::testing
