@@ -28,7 +28,7 @@ constexpr const char* kOld = "{\"an\": \"earlier result\"}";
 struct Limits {
   rlim_t file_bytes = RLIM_INFINITY;
   rlim_t memory_bytes = RLIM_INFINITY;
-  std::string standard_output;  ///< a device to write it to
+  std::string standard_output{};  ///< a device to write it to
 };
 
 std::string all_of(int descriptor) {
