@@ -1,0 +1,119 @@
+# SPDX-FileCopyrightText: The Raybundle authors
+# SPDX-License-Identifier: Apache-2.0
+"""The bars that the solve is held against, judged on the figures of one run."""
+
+import math
+import statistics
+
+OWN = ("raybundle", "raybundle, flat board", "raybundle program")
+FLAT_PEERS = ("opencv 4.6", "opencv 5", "pycolmap")  # the same model of lens and a board that is known to be flat
+SLACK = 1.01  # solvers that stop at different tolerances differ by less
+
+
+def median(by_peer, peer, key):
+    """Median of a figure over the runs of a peer; None when it did not finish."""
+    runs = by_peer.get(peer) or []
+    if not runs or any("failed" in run for run in runs):
+        return None
+    return statistics.median(run[key] for run in runs)
+
+
+def verdict(what, figure, bar, passed):
+    return f"{'passed' if passed else 'FAILED'}: {what}: {figure}, bar {bar}"
+
+
+def faster(results, problem, peer, bar):
+    by_peer = results.get(problem, {})
+    ours, theirs = median(by_peer, "raybundle", "cpu_s"), median(by_peer, peer, "cpu_s")
+    if not ours:
+        return []
+    runs = by_peer.get(peer) or [{}]
+    if theirs is None and str(runs[0].get("failed", "")).startswith(">"):
+        least = by_peer["truth"]["limit_s"] / ours
+        return [verdict(f"{problem} views, {peer} against raybundle", f"more than {least:.0f}×", f"{bar}×", least >= bar)]
+    if theirs is None:
+        return []
+    return [verdict(f"{problem} views, {peer} against raybundle", f"{theirs / ours:.1f}×", f"{bar}×", theirs / ours >= bar)]
+
+
+def growth(results, family):
+    points = [
+        (math.log(int(name.split(" ")[1])), math.log(median(by_peer, "raybundle", "cpu_s")))
+        for name, by_peer in results.items()
+        if name.split(" ")[0] == family and len(name.split(" ")) == 2 and median(by_peer, "raybundle", "cpu_s")
+    ]
+    if len(points) < 3:
+        return []
+    x, y = zip(*points)
+    slope = statistics.linear_regression(x, y).slope
+    return [verdict(f"{family}, growth of the time with the views, fitted exponent", f"{slope:.3f}", "1.05", slope <= 1.05)]
+
+
+def memory(results, problem):
+    by_peer = results.get(problem, {})
+    out = []
+    for peer in OWN:
+        peak = median(by_peer, peer, "peak_mb")
+        if peak is None:
+            continue
+        corners = by_peer["truth"]["views"] * by_peer["truth"]["rows"] * by_peer["truth"]["columns"]
+        bar = 50 + 200 * corners / 2**20
+        out.append(verdict(f"{problem} views, peak memory of {peer}", f"{peak:.0f} MB", f"{bar:.0f} MB", peak <= bar))
+    return out
+
+
+def costs_at_most(results, problem, plain, factor):
+    slow = median(results.get(problem, {}), "raybundle", "cpu_s")
+    fast = median(results.get(plain, {}), "raybundle, flat board", "cpu_s")
+    if not slow or not fast:
+        return []
+    what = f"{problem}, time against the flat board without outliers"
+    return [verdict(what, f"{slow / fast:.2f}×", f"{factor}×", slow <= factor * fast)]
+
+
+def error(by_peer, peer):
+    runs = by_peer.get(peer) or [{"failed": ""}]
+    if "failed" in runs[0] or any(camera["true_error_rms_px"] is None for camera in runs[0]["cameras"]):
+        return None
+    return math.sqrt(statistics.mean(camera["true_error_rms_px"] ** 2 for camera in runs[0]["cameras"]))
+
+
+def nearer_to_truth(results):
+    """Against peers of the same model, on the same draw of the noise."""
+    worse, compared = [], 0
+    for name, by_peer in results.items():
+        rational = name.split(" ")[0].endswith("rational70")
+        pairs = [("raybundle" if "bent" in name else "raybundle, flat board", peer) for peer in FLAT_PEERS]
+        pairs += [("raybundle", "mrcal opencv8")] if rational else []
+        for own, peer in pairs:
+            ours, theirs = error(by_peer, own), error(by_peer, peer)
+            if ours is None or theirs is None:
+                continue
+            compared += 1
+            if ours > SLACK * theirs:
+                worse.append(f"{name}: {ours:.4f} against {theirs:.4f} px of {peer}")
+    what = f"true error never above that of a peer with the same model, {compared} comparisons"
+    return [verdict(what, "; ".join(worse) or "never", f"never by more than {100 * (SLACK - 1):.0f} %", not worse)]
+
+
+def judge(results):
+    lines = []
+    for problem, peer, bar in (
+        ("kb130 200", "opencv 4.6", 100),
+        ("kb130 200", "opencv 5", 100),
+        ("kb130 200", "mrcal opencv8", 100),
+        ("rational70 200", "mrcal opencv8", 100),
+        ("rational70 200", "opencv 4.6", 100),
+        ("rational70 200", "opencv 5", 100),
+        ("kb130 200", "pycolmap", 5),
+        ("rational70 200", "pycolmap", 5),
+        ("stereo_kb130 200", "pycolmap", 5),
+        ("rig4_kb130 200", "pycolmap", 5),
+    ):
+        lines += faster(results, problem, peer, bar)
+    for family in ("kb130", "rational70"):
+        lines += growth(results, family)
+        lines += memory(results, f"{family} 5000")
+        lines += costs_at_most(results, f"{family} 200 outliers", f"{family} 200", 2)
+        lines += costs_at_most(results, f"{family} 200 bent", f"{family} 200", 2)
+    return lines + nearer_to_truth(results)
