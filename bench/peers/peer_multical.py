@@ -8,8 +8,11 @@ dataclass), its library does.
 
 from importlib.metadata import version
 
-import multical.tables
 import numpy as np
+
+np.bool = bool  # multical uses the name, which numpy 1.24 took away
+
+import multical.tables
 from multical.board.board import Board
 from multical.board.common import estimate_pose_points
 from multical.workspace import Workspace

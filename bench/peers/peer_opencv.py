@@ -70,16 +70,19 @@ def solve_rig(problem):
     fisheye = problem.model == "kannala_brandt"
     count = len(problem.cameras)
     pixels = np.nan_to_num(problem.pixels, nan=-1.0).astype(np.float32)
+    # By itself calibrateMultiview cannot start fisheye lenses in OpenCV 5.0 (its issue 29692): each camera first.
+    alone = [calibrate_one(problem, c) for c in range(count)] if fisheye else None
     found = cv2.calibrateMultiview(
         [problem.board.astype(np.float32)] * problem.info["frames"],
         [list(camera) for camera in pixels],
         [problem.size] * count,
         problem.seen.astype(np.uint8),
         np.full(count, cv2.CALIB_MODEL_FISHEYE if fisheye else cv2.CALIB_MODEL_PINHOLE, np.uint8),
+        [k for k, _ in alone] if fisheye else None,
+        [d for _, d in alone] if fisheye else None,
         None,
         None,
-        None,
-        None,
+        flags=cv2.CALIB_USE_INTRINSIC_GUESS if fisheye else 0,
         flagsForIntrinsics=np.full(count, lens_flags(problem.model), np.int32),
     )
     _, intrinsics, distortions, rotations, translations = found[:5]
