@@ -74,11 +74,11 @@ inline cv::Mat render_board(const Camera& camera, const Rigid3& camera_from_targ
   }
   if (options.blur_px > 0) cv::GaussianBlur(image, image, {}, options.blur_px);
   std::mt19937 random(options.seed);
-  std::normal_distribution<float> noise(0, static_cast<float>(options.noise_grey));
+  std::normal_distribution<float> noise(0, 1);
   cv::Mat grey(image.size(), CV_8U);
   for (int y = 0; y < image.rows; ++y) {
     for (int x = 0; x < image.cols; ++x) {
-      const float value = image.at<float>(y, x) + (options.noise_grey > 0 ? noise(random) : 0.0F);
+      const float value = image.at<float>(y, x) + static_cast<float>(options.noise_grey) * noise(random);
       grey.at<uchar>(y, x) = cv::saturate_cast<uchar>(value);
     }
   }
