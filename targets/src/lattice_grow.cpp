@@ -106,10 +106,13 @@ double typical_contrast(const Lattice& lattice, LatticePlace place) {
 }
 
 /// Refines every corner against the present lattice and drops the ones that fail.
-void refine_all(const cv::Mat& gray, Lattice& lattice, double longest_half) {
+///
+/// @param fitted  corners come from fits already, not from candidates
+void refine_all(const cv::Mat& gray, Lattice& lattice, double longest_half, bool fitted) {
   Lattice refined;
   for (const auto& [place, saddle] : lattice) {
-    if (const auto better = refined_on_lattice(gray, lattice, place, saddle.pixel, longest_half))
+    const Saddle* known = fitted ? &saddle : nullptr;
+    if (const auto better = refined_on_lattice(gray, lattice, place, saddle.pixel, longest_half, known))
       refined.emplace(place, *better);
   }
   lattice = std::move(refined);
@@ -218,10 +221,11 @@ std::optional<Eigen::Vector2d> predicted_on_lattice(const Lattice& lattice, Latt
 }
 
 std::optional<Saddle> refined_on_lattice(const cv::Mat& gray, const Lattice& lattice, LatticePlace place,
-                                         const Eigen::Vector2d& start, double longest_half) {
+                                         const Eigen::Vector2d& start, double longest_half, const Saddle* known) {
   auto window = window_on_lattice(lattice, place, start);
   if (!window) return std::nullopt;
   window->longest_half = longest_half;
+  window->known = known;
   const auto saddle = refine_saddle(gray, start, *window);
   if (!saddle || !fits_lattice(*saddle, place, window->half_x, window->half_y)) return std::nullopt;
   constexpr double kFaintest = 0.2;  // of the contrast nearby
@@ -230,8 +234,9 @@ std::optional<Saddle> refined_on_lattice(const cv::Mat& gray, const Lattice& lat
 }
 
 void grow_lattice(const cv::Mat& gray, Lattice& lattice, int longest) {
-  refine_all(gray, lattice, kLook_px);
-  std::map<LatticePlace, std::size_t> tried;  // with how many corners around: a place deserves another try when more
+  refine_all(gray, lattice, kLook_px, false);
+  std::map<LatticePlace, std::size_t> tried;  // with how many corners around
+  bool again = false;                         // places that failed are tried again when nothing else is left to do
   while (!lattice.empty()) {
     std::set<LatticePlace> open;
     for (const auto& [place, saddle] : lattice) {
@@ -241,6 +246,7 @@ void grow_lattice(const cv::Mat& gray, Lattice& lattice, int longest) {
     }
     std::size_t added = 0;
     for (const LatticePlace& place : open) {
+      if (!again && tried.contains(place)) continue;
       const LatticeExtent extent = extent_of(lattice);
       const int width = std::max(extent.high_x, place.first) - std::min(extent.low_x, place.first) + 1;
       const int height = std::max(extent.high_y, place.second) - std::min(extent.low_y, place.second) + 1;
@@ -256,10 +262,11 @@ void grow_lattice(const cv::Mat& gray, Lattice& lattice, int longest) {
       lattice.emplace(place, *saddle);
       ++added;
     }
-    if (added == 0) break;
+    if (added == 0 && again) break;
+    again = added == 0;
   }
   drop_unsupported(gray, lattice);
-  refine_all(gray, lattice, SaddleWindow{}.longest_half);
+  refine_all(gray, lattice, SaddleWindow{}.longest_half, true);
   drop_outliers(lattice);
 }
 

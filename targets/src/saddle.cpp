@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "saddle.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <vector>
+#include <numbers>
+#include <utility>
 
 #include "saddle_fit.hpp"
 
@@ -22,9 +22,10 @@ struct Shape {
   int stride = 1;      // [px] between samples: large windows for far starts
   double half_px = 0;  // the shortest half-width
   SaddleBends bends;
+  const Saddle* known = nullptr;  // an earlier fit
 };
 
-std::vector<SaddleSample> samples_of(const cv::Mat& gray, const Eigen::Vector2d& centre, const Shape& shape) {
+void take_samples(const cv::Mat& gray, const Eigen::Vector2d& centre, const Shape& shape, SaddleSamples& samples) {
   const Eigen::Matrix2d pixel_from_window = shape.window_from_pixel.inverse();
   Eigen::Vector2d reach = pixel_from_window.cwiseAbs().rowwise().sum();
   if (shape.round) reach = pixel_from_window.rowwise().norm();
@@ -32,40 +33,55 @@ std::vector<SaddleSample> samples_of(const cv::Mat& gray, const Eigen::Vector2d&
   const int right = std::min(gray.cols - 1, static_cast<int>(std::floor(centre.x() + reach.x())));
   const int top = std::max(0, static_cast<int>(std::ceil(centre.y() - reach.y())));
   const int bottom = std::min(gray.rows - 1, static_cast<int>(std::floor(centre.y() + reach.y())));
-  std::vector<SaddleSample> samples;
-  samples.reserve(static_cast<std::size_t>(std::max(0, right - left + 1)) *
-                  static_cast<std::size_t>(std::max(0, bottom - top + 1)));
+  const Eigen::Matrix2f window_from_pixel = shape.window_from_pixel.cast<float>();
+  samples.size = 0;
   for (int y = top; y <= bottom; y += shape.stride) {
     const uchar* row = gray.ptr<uchar>(y);
+    const float at_y = static_cast<float>(y - centre.y());
     for (int x = left; x <= right; x += shape.stride) {
-      const Eigen::Vector2d from_centre(x - centre.x(), y - centre.y());
-      const Eigen::Vector2d at = shape.window_from_pixel * from_centre;
-      const Eigen::Array2d fall = 1 - at.array().square();
-      const double weight = shape.round ? 1 - at.squaredNorm() : std::min(fall.x(), fall.y()) <= 0 ? 0 : fall.prod();
-      if (weight > 0.02)
-        samples.push_back({from_centre.x(), from_centre.y(), static_cast<double>(row[x]), std::sqrt(weight)});
+      constexpr float kLeastWeight = 0.02F;
+      const float at_x = static_cast<float>(x - centre.x());
+      const float u = window_from_pixel(0, 0) * at_x + window_from_pixel(0, 1) * at_y;
+      const float v = window_from_pixel(1, 0) * at_x + window_from_pixel(1, 1) * at_y;
+      const float fall_u = 1 - u * u, fall_v = 1 - v * v;
+      if (std::min(fall_u, fall_v) <= 0) continue;
+      const float weight = shape.round ? fall_u - v * v : fall_u * fall_v;
+      if (weight > kLeastWeight && !samples.full()) samples.add(at_x, at_y, row[x], std::sqrt(weight));
     }
   }
-  return samples;
+  samples.pad();
 }
 
+/// Unit vectors along the two edges.
+struct Edges {
+  float a_x, a_y, b_x, b_y;
+  explicit Edges(const SaddleVector& parameters)
+      : a_x(static_cast<float>(std::cos(parameters[kAngleA]))),
+        a_y(static_cast<float>(std::sin(parameters[kAngleA]))),
+        b_x(static_cast<float>(std::cos(parameters[kAngleB]))),
+        b_y(static_cast<float>(std::sin(parameters[kAngleB]))) {}
+  float beside_a(float x, float y) const { return a_x * y - a_y * x; }
+  float beside_b(float x, float y) const { return b_x * y - b_y * x; }
+};
+
 /// Start values of the linear parameters, from the samples' signs.
-void set_levels(const std::vector<SaddleSample>& samples, SaddleVector& parameters) {
-  double sum[2] = {0, 0}, weight[2] = {1e-9, 1e-9};
-  for (const SaddleSample& sample : samples) {
-    const double side_a = std::cos(parameters[kAngleA]) * sample.y - std::sin(parameters[kAngleA]) * sample.x;
-    const double side_b = std::cos(parameters[kAngleB]) * sample.y - std::sin(parameters[kAngleB]) * sample.x;
-    const int bright = side_a * side_b < 0;
-    sum[bright] += sample.root_weight * sample.root_weight * sample.grey;
-    weight[bright] += sample.root_weight * sample.root_weight;
+void set_levels(const SaddleSamples& samples, SaddleVector& parameters) {
+  float sum[2] = {0, 0}, weight[2] = {1e-9F, 1e-9F};
+  const Edges edges(parameters);
+  for (int i = 0; i < samples.size; ++i) {
+    const float x = samples.x[i], y = samples.y[i];
+    const int bright = edges.beside_a(x, y) * edges.beside_b(x, y) < 0;
+    const float here = samples.root_weight[i] * samples.root_weight[i];
+    sum[bright] += here * samples.grey[i];
+    weight[bright] += here;
   }
-  const double dark_level = sum[0] / weight[0];
-  const double bright_level = sum[1] / weight[1];
+  const float dark_level = sum[0] / weight[0];
+  const float bright_level = sum[1] / weight[1];
   parameters[kBase] = 0.5 * (dark_level + bright_level);
   parameters[kAmplitude] = 0.5 * (bright_level - dark_level);
 }
 
-Saddle saddle_of(const SaddleFit& fit, const Eigen::Vector2d& start, std::size_t samples) {
+Saddle saddle_of(const SaddleFit& fit, const Eigen::Vector2d& start, int samples) {
   Saddle saddle;
   const SaddleVector& parameters = fit.parameters;
   saddle.pixel = start + parameters.head<2>();
@@ -77,34 +93,33 @@ Saddle saddle_of(const SaddleFit& fit, const Eigen::Vector2d& start, std::size_t
   const double mean_square = fit.squares / fit.weights;
   saddle.misfit = std::sqrt(mean_square) / std::max(saddle.contrast, 1e-6);
 
-  const double spare = std::max(0.2, 1.0 - static_cast<double>(kSaddleParameters) / static_cast<double>(samples));
+  const double spare = std::max(0.2, 1.0 - static_cast<double>(kSaddleParameters) / samples);
   const double variance_grey = mean_square / spare + 1.0 / 12;  // never below the rounding to whole grey values
-  const SaddleMatrix inverse = fit.information.ldlt().solve(SaddleMatrix::Identity());
-  const SaddleMatrix covariance = inverse * fit.scatter * inverse;
   // What the fit's own residuals do not show: the pixel grid, and the print and a blur that is not as Gaussian as the
   // model's. On real boards corners scatter about their neighbours by .04 of the blur, whether it is .4 or 1.4 px.
   constexpr double kFloor_px = 0.015;
   constexpr double kFloor_per_blur = 0.04;
   const double unseen_px = std::hypot(kFloor_px, kFloor_per_blur * saddle.blur_px);
-  const double seen_px = std::sqrt(variance_grey * 0.5 * (covariance(kX, kX) + covariance(kY, kY)));
+  const double seen_px = std::sqrt(variance_grey * fit.variance_px2);
   saddle.sigma_px = std::hypot(seen_px, unseen_px);
   return saddle;
 }
 
 /// Both bright sectors are brighter than both dark ones, by a good part of the contrast: at the outer corner of a dark
 /// square three sectors are bright, and a fit alone can make up for that.
-bool sectors_alternate(const std::vector<SaddleSample>& samples, const SaddleVector& parameters, double blur) {
+bool sectors_alternate(const SaddleSamples& samples, const SaddleVector& parameters, double blur) {
   constexpr double kLeastPart = 0.35;
-  double sum[4] = {0, 0, 0, 0}, weight[4] = {1e-9, 1e-9, 1e-9, 1e-9};
-  for (const SaddleSample& sample : samples) {
-    const double x = sample.x - parameters[kX];
-    const double y = sample.y - parameters[kY];
-    const double side_a = std::cos(parameters[kAngleA]) * y - std::sin(parameters[kAngleA]) * x;
-    const double side_b = std::cos(parameters[kAngleB]) * y - std::sin(parameters[kAngleB]) * x;
+  float sum[4] = {0, 0, 0, 0}, weight[4] = {1e-9F, 1e-9F, 1e-9F, 1e-9F};
+  const Edges edges(parameters);
+  const Eigen::Vector2f corner = parameters.head<2>().cast<float>();
+  const float sharp = static_cast<float>(1 / blur);
+  for (int i = 0; i < samples.size; ++i) {
+    const float x = samples.x[i] - corner.x(), y = samples.y[i] - corner.y();
+    const float side_a = edges.beside_a(x, y), side_b = edges.beside_b(x, y);
     const int sector = 2 * (side_a * side_b < 0) + (side_a < 0);
-    const double inside =
-        sample.root_weight * sample.root_weight * std::min(1.0, std::min(std::abs(side_a), std::abs(side_b)) / blur);
-    sum[sector] += inside * sample.grey;
+    const float inside = samples.root_weight[i] * samples.root_weight[i] *
+                         std::min(1.0F, std::min(std::abs(side_a), std::abs(side_b)) * sharp);
+    sum[sector] += inside * samples.grey[i];
     weight[sector] += inside;
   }
   const double dark[2] = {sum[0] / weight[0], sum[1] / weight[1]};
@@ -124,17 +139,35 @@ bool convincing(const Saddle& saddle, const Eigen::Vector2d& start, const Shape&
          sine > 0.15 && saddle.sigma_px < 0.5 && saddle.blur_px < 1.2 * shape.half_px;
 }
 
-/// Fits the model; the window moves along when the corner turns out to lie off its centre.
-std::optional<Saddle> fitted(const cv::Mat& gray, const Eigen::Vector2d& start, const Shape& shape, double angle_a,
-                             double angle_b, double angle_sigma) {
-  Eigen::Vector2d centre = start;
+/// The angle of `edge`, in either direction, that is the nearest to `angle`.
+double nearest_angle(const Eigen::Vector2d& edge, double angle) {
+  return angle + std::remainder(std::atan2(edge.y(), edge.x()) - angle, std::numbers::pi);
+}
+
+SaddleVector start_parameters(const Shape& shape, double angle_a, double angle_b) {
   SaddleVector parameters = SaddleVector::Zero();
   parameters[kAngleA] = angle_a;
   parameters[kAngleB] = angle_b;
   parameters[kLogBlur] = std::log(std::min(1.0, 0.5 * shape.half_px));
+  if (shape.known == nullptr) return parameters;
+  const Eigen::Vector2d along_a(std::cos(angle_a), std::sin(angle_a));
+  const bool same = std::abs(shape.known->edge_a.dot(along_a)) > std::abs(shape.known->edge_b.dot(along_a));
+  parameters[kAngleA] = nearest_angle(same ? shape.known->edge_a : shape.known->edge_b, angle_a);
+  parameters[kAngleB] = nearest_angle(same ? shape.known->edge_b : shape.known->edge_a, angle_b);
+  parameters[kLogBlur] = std::log(std::clamp(shape.known->blur_px, 0.2, shape.half_px));
+  return parameters;
+}
+
+/// Fits the model; the window moves along when the corner turns out to lie off its centre.
+std::optional<Saddle> fitted(const cv::Mat& gray, const Eigen::Vector2d& start, const Shape& shape, double angle_a,
+                             double angle_b, double angle_sigma) {
+  Eigen::Vector2d centre = start;
+  SaddleVector parameters = start_parameters(shape, angle_a, angle_b);
+  SaddleWork work;
+  SaddleSamples& samples = work.samples;
   for (int round = 0;; ++round) {
-    const std::vector<SaddleSample> samples = samples_of(gray, centre, shape);
-    if (samples.size() < 16) return std::nullopt;
+    take_samples(gray, centre, shape, samples);
+    if (samples.size < 16) return std::nullopt;
     if (round == 0) set_levels(samples, parameters);
     SaddlePriors priors;
     const auto expect = [&](int which, double mean, double sigma) {
@@ -148,10 +181,10 @@ std::optional<Saddle> fitted(const cv::Mat& gray, const Eigen::Vector2d& start, 
     expect(kTone, 0, 0.5 * amplitude);
     expect(kShadeX, 0, 0.3 * amplitude / shape.half_px);
     expect(kShadeY, 0, 0.3 * amplitude / shape.half_px);
-    const SaddleFit fit = minimise_saddle(samples, parameters, priors, shape.bends);
+    const SaddleFit fit = minimise_saddle(work, parameters, priors, shape.bends);
     const Eigen::Vector2d moved = fit.parameters.head<2>();
     if (!moved.allFinite()) return std::nullopt;
-    const Saddle saddle = saddle_of(fit, centre, samples.size());
+    const Saddle saddle = saddle_of(fit, centre, samples.size);
     if (round >= 2 || (shape.window_from_pixel * moved).cwiseAbs().maxCoeff() < 0.05) {
       if (!convincing(saddle, start, shape) || !sectors_alternate(samples, fit.parameters, saddle.blur_px)) {
         return std::nullopt;
@@ -203,6 +236,7 @@ std::optional<Saddle> refine_saddle(const cv::Mat& gray, const Eigen::Vector2d& 
     shape.stride = stride;
     shape.half_px = std::min({length_x, length_y, longest});
     shape.bends = {window.bend_x, window.bend_y};
+    shape.known = window.known;
     const double angle_x = std::atan2(window.half_x.y(), window.half_x.x());
     const double angle_y = std::atan2(window.half_y.y(), window.half_y.x());
     return fitted(gray, from, shape, angle_x, angle_y, 0.2);

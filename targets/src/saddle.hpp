@@ -29,6 +29,7 @@ struct SaddleWindow {
   double bend_y = 0.0;  ///< [1/px] the same for the edge along half_y
   /// [px] half-sides are cut to this: larger windows cost time and bring the lens's curvature, not accuracy
   double longest_half = 11.0;
+  const Saddle* known = nullptr;  ///< an earlier fit of this corner: where to start
 };
 
 /// Refines a saddle near `start`, or finds that there is none.
