@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "simulated_files.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/io/calibration_file.hpp"
+#include "raybundle/io/observations_file.hpp"
+#include "raybundle/scene/atomic_file.hpp"
+#include "raybundle/targets/board_file.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) {
+    throw Error(ErrorKind::kIo, fmt::format("the output folder {} cannot be made: {}; choose another with -o",
+                                            folder.string(), error.message()));
+  }
+}
+
+ObservationsFile observations_file(const CalibrationProblem& problem) {
+  ObservationsFile file{problem, {}};
+  for (const ProblemCamera& camera : problem.cameras) file.models.emplace_back(camera.model);
+  return file;
+}
+
+std::string laser_section(const ProblemLaser& laser, const std::string& camera) {
+  std::string text =
+      fmt::format("\n[laser]\ncamera = \"{}\"\nimages = \"images/laser_{}_*.png\"\nrows = {}\ncolumns = {}\n", camera,
+                  camera, laser.grid.rows, laser.grid.columns);
+  const auto label = [&](int beam) { return fmt::format("[{}, {}]", laser.grid.row(beam), laser.grid.column(beam)); };
+  if (laser.brightest) text += fmt::format("brightest = {}\n", label(*laser.brightest));
+  if (!laser.missing.empty()) {
+    std::string list;
+    for (const int beam : laser.missing) list += (list.empty() ? "" : ", ") + label(beam);
+    text += fmt::format("missing = [{}]\n", list);
+  }
+  return text;
+}
+
+std::string poses_text(const Simulation& simulation) {
+  nlohmann::ordered_json poses = nlohmann::ordered_json::array();
+  for (const BoardPose& pose : simulation.poses) {
+    const Eigen::Vector4d q = pose.rig_from_target.rotation.coeffs();
+    const Eigen::Vector3d& t = pose.rig_from_target.translation;
+    poses.push_back(
+        {{"frame", simulation.problem.frames[pose.frame]},
+         {"target", pose.target},
+         {"rig_from_target", {{"rotation_xyzw", {q[0], q[1], q[2], q[3]}}, {"translation_m", {t[0], t[1], t[2]}}}}});
+  }
+  return nlohmann::ordered_json{{"poses", poses}}.dump(1) + "\n";
+}
+
+}  // namespace
+
+std::string simulated_image(const std::string& camera, int frame, bool laser) {
+  return fmt::format("images/{}{}_{:03}.png", laser ? "laser_" : "", camera, frame);
+}
+
+std::string dataset_text(const BoardedRig& boarded, const ProblemLaser* laser, const std::string& command) {
+  std::string text = fmt::format("# {}\n{}", command, toml_of(boarded.board));
+  for (const SimulatedCamera& camera : boarded.rig.cameras) {
+    text += fmt::format("\n[[camera]]\nname = \"{0}\"\nimages = \"images/{0}_*.png\"\nmodel = \"{1}\"\n", camera.name,
+                        model_name(camera.camera.model));
+  }
+  if (laser != nullptr) text += laser_section(*laser, boarded.rig.cameras.front().name);
+  return text;
+}
+
+void write_simulation(const std::filesystem::path& folder, const Simulation& simulation, const std::string& command) {
+  make_folder(folder / "truth");
+  CalibrationFile truth;
+  truth.calibration = simulation.truth;
+  truth.provenance.command = command;
+  truth.provenance.versions = {{"raybundle", RAYBUNDLE_VERSION}};
+  write_calibration(folder / "truth" / "calibration.json", truth);
+  write_observations(folder / "truth" / "observations.json", observations_file(simulation.exact));
+  write_file_whole(folder / "truth" / "poses.json", poses_text(simulation));
+  write_observations(folder / "observations.json", observations_file(simulation.problem));
+}
+
+}  // namespace raybundle::apps

@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "raybundle/synthetic/simulate.hpp"
+#include "simulated_board.hpp"
+
+namespace raybundle::apps {
+
+/// `images/left_007.png`: the image of a camera, relative to the data set; of the laser when it is on.
+std::string simulated_image(const std::string& camera, int frame, bool laser);
+
+/// dataset.toml for images with those names.
+///
+/// @param laser    nullptr when there is none
+/// @param command  how the data set was made
+std::string dataset_text(const BoardedRig& boarded, const ProblemLaser* laser, const std::string& command);
+
+/// Writes observations.json and, in truth/, calibration.json, observations.json and poses.json.
+void write_simulation(const std::filesystem::path& folder, const Simulation& simulation, const std::string& command);
+
+}  // namespace raybundle::apps
