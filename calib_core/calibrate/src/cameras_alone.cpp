@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cameras_alone.hpp"
 
+#include "local_optima.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/initialize/camera_start.hpp"
 #include "robust_solve.hpp"
@@ -24,8 +25,9 @@ void solve_camera_alone(const CalibrationProblem& problem, int camera, const Cal
   BundleState state = state_from_start(single.problem, start);
   std::vector<std::string> reasons = start.reasons;
   solve_robustly(single.problem, state, options);
-  if (give_second_chance(single.problem, state, reasons)) solve_robustly(single.problem, state, options);
-  alone.summaries[camera] = solve_without_outliers(single.problem, state, options, false, reasons);
+  if (give_second_chance(single.problem, state, options, reasons)) solve_robustly(single.problem, state, options);
+  const BundleSummary solved = solve_without_outliers(single.problem, state, options, false, reasons);
+  alone.summaries[camera] = leave_local_optima(single.problem, state, options, reasons, solved);
   alone.cameras[camera] = state.cameras[0];
   for (std::size_t v = 0; v < single.views.size(); ++v) {
     const int view = single.views[v];

@@ -121,7 +121,7 @@ JointSolve solve_jointly(const CalibrationProblem& problem, BundleState& state, 
   solve.summary = solved;
   if (problem.cameras.size() > 1) solve.summary = solve_rig(problem, state, options, solve.ties);
   if (!solve.ties.unsynchronised) {
-    const bool changed = give_second_chance(problem, state, reasons);
+    const bool changed = give_second_chance(problem, state, options, reasons);
     const bool still_solved = problem.cameras.size() == 1 && !changed;
     solve.summary =
         solve_without_outliers(problem, state, options, false, reasons, still_solved ? solve.summary : BundleSummary{});

@@ -38,13 +38,35 @@ BundleOptions bundle_options(const CalibrateOptions& options) {
   return bundle;
 }
 
-// Pose of the view's board in its frame as other views in use see it; -1 when there is none.
-int shared_pose(const CalibrationProblem& problem, const BundleState& state, const TargetView& view) {
+// Pose of the view's board in its frame as other views in use see it, of several the one that the view fits best; -1
+// when there is none.
+int shared_pose(const CalibrationProblem& problem, BundleState state, int view) {
+  int best = -1;
+  double best_distance = std::numeric_limits<double>::infinity();
   for (std::size_t v = 0; v < problem.views.size(); ++v) {
-    const bool same_board = problem.views[v].frame == view.frame && problem.views[v].target == view.target;
-    if (same_board && state.pose_of_view[v] >= 0) return state.pose_of_view[v];
+    const bool same_board =
+        problem.views[v].frame == problem.views[view].frame && problem.views[v].target == problem.views[view].target;
+    const int pose = static_cast<int>(v) == view ? -1 : state.pose_of_view[v];
+    if (!same_board || pose < 0) continue;
+    state.pose_of_view[view] = pose;
+    std::vector<double> distances = whitened_distances(problem, state, view);
+    const double distance = median(distances);
+    if (best >= 0 && !(distance < best_distance)) continue;
+    best = pose;
+    best_distance = distance;
   }
-  return -1;
+  return best;
+}
+
+// Pose of a view under its camera. First with the noise that the camera has: among few corners, wrong ones that are a
+// pixel off can agree on a wrong pose. Then with the usual tolerance.
+std::optional<Rigid3> pose_again(const CalibrationProblem& problem, const TargetView& view, const Camera& camera,
+                                 double limit_px, std::string& reason) {
+  constexpr double kUsualPx = 3.0;
+  if (limit_px < kUsualPx) {
+    if (auto pose = initialize_view(problem, view, camera, reason, limit_px)) return pose;
+  }
+  return initialize_view(problem, view, camera, reason, kUsualPx);
 }
 
 // Marks one view's corners; sets the view aside when most of them are outliers.
@@ -126,14 +148,18 @@ BundleSummary solve_robustly(const CalibrationProblem& problem, BundleState& sta
   return summary;
 }
 
-bool give_second_chance(const CalibrationProblem& problem, BundleState& state, std::vector<std::string>& reasons) {
+bool give_second_chance(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
+                        std::vector<std::string>& reasons) {
   bool taken = false;
+  const std::vector<double> sigmas = robust_sigmas(problem, state);
   for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
     const TargetView& view = problem.views[v];
     if (state.pose_of_view[v] >= 0 || view.observations.size() < kFewestCorners) continue;
     const Rigid3& camera_from_rig = state.camera_from_rig[view.camera];
     std::string reason;
-    const std::optional<Rigid3> own = initialize_view(problem, view, state.cameras[view.camera], reason);
+    const double limit_px =
+        std::max(options.outlier_sigma * sigmas[view.camera] * view.observations[0].sigma_px, kSmallestDistancePx);
+    const std::optional<Rigid3> own = pose_again(problem, view, state.cameras[view.camera], limit_px, reason);
     if (!own) {
       reasons[v] = reason;
       continue;
@@ -141,7 +167,7 @@ bool give_second_chance(const CalibrationProblem& problem, BundleState& state, s
     taken = true;
     // A board that the other cameras saw in the frame stays one board; whether the view fits it is for the outlier
     // rule.
-    state.pose_of_view[v] = shared_pose(problem, state, view);
+    state.pose_of_view[v] = shared_pose(problem, state, v);
     if (state.pose_of_view[v] < 0) {
       state.pose_of_view[v] = static_cast<int>(state.poses.size());
       state.poses.push_back({view.frame, view.target, camera_from_rig.inverse() * *own});

@@ -33,7 +33,8 @@ BundleSummary solve_robustly(const CalibrationProblem& problem, BundleState& sta
 /// other cameras saw in the frame, or one of their own.
 ///
 /// @return  whether a view has a pose again
-bool give_second_chance(const CalibrationProblem& problem, BundleState& state, std::vector<std::string>& reasons);
+bool give_second_chance(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
+                        std::vector<std::string>& reasons);
 
 /// Plain least squares without the outliers, until solve and outlier rule agree.
 ///

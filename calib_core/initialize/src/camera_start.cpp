@@ -215,12 +215,12 @@ CameraStart initialize_camera(const CalibrationProblem& problem, int camera) {
 }
 
 std::optional<Rigid3> initialize_view(const CalibrationProblem& problem, const TargetView& view, const Camera& camera,
-                                      std::string& reason) {
+                                      std::string& reason, double fit_px) {
   const PointsInView corners = points_in_view(problem.targets[view.target], view);
   const LensFunctions lens = lens_functions(camera.model);
   std::optional<ViewPose> pose;
-  if (usable(corners)) pose = view_pose(lens, camera.parameters.data(), corners, kFitPx);
-  reason = reason_against(pose, corners, kFitPx);
+  if (usable(corners)) pose = view_pose(lens, camera.parameters.data(), corners, fit_px);
+  reason = reason_against(pose, corners, fit_px);
   if (!reason.empty()) return std::nullopt;
   return pose->camera_from_target;
 }

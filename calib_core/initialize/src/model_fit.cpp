@@ -69,24 +69,34 @@ LensBundleOptions model_options(ModelId model, const LensVector& mean, double sc
   return options;
 }
 
+namespace {
+
+LensVector fit_from(ModelId model, const LensFunctions& lens, const PointsInView& samples,
+                    const LensVector& guess_fx_fy_cx_cy, const LensVector& shape) {
+  LensVector parameters(lens.parameters);
+  parameters.head<4>() = guess_fx_fy_cx_cy.head<4>();
+  parameters.tail(shape.size()) = shape;
+  fit_focal_lengths(lens, samples, parameters);
+  std::vector<Rigid3> here(1);
+  double scale_px = 100.0;
+  for (; scale_px > 1.0; scale_px *= 0.3) {
+    LensBundleOptions options = model_options(model, parameters, scale_px);
+    options.max_iterations = 15;
+    options.poses_fixed = true;
+    refine_lens(lens, {samples}, options, parameters, here);
+  }
+  return parameters;
+}
+
+}  // namespace
+
 LensVector fit_model(ModelId model, const PointsInView& field, const LensVector& guess_fx_fy_cx_cy) {
   const LensFunctions lens = lens_functions(model);
   const PointsInView samples = thinned(field, kSamples);
   LensVector best;
   double best_cost = std::numeric_limits<double>::infinity();
   for (const LensVector& shape : starting_shapes(model)) {
-    LensVector parameters(lens.parameters);
-    parameters.head<4>() = guess_fx_fy_cx_cy.head<4>();
-    parameters.tail(shape.size()) = shape;
-    fit_focal_lengths(lens, samples, parameters);
-    std::vector<Rigid3> here(1);
-    double scale_px = 100.0;
-    for (; scale_px > 1.0; scale_px *= 0.3) {
-      LensBundleOptions options = model_options(model, parameters, scale_px);
-      options.max_iterations = 15;
-      options.poses_fixed = true;
-      refine_lens(lens, {samples}, options, parameters, here);
-    }
+    const LensVector parameters = fit_from(model, lens, samples, guess_fx_fy_cx_cy, shape);
     const double cost = share_of_fit(lens, samples, parameters, 20.0);
     if (cost < best_cost) {
       best_cost = cost;
@@ -95,6 +105,15 @@ LensVector fit_model(ModelId model, const PointsInView& field, const LensVector&
     if (best_cost < kGoodFitPx) break;
   }
   return best;
+}
+
+std::vector<LensVector> model_fits(ModelId model, const PointsInView& samples, const LensVector& guess_fx_fy_cx_cy) {
+  const LensFunctions lens = lens_functions(model);
+  std::vector<LensVector> fits;
+  for (const LensVector& shape : starting_shapes(model)) {
+    fits.push_back(fit_from(model, lens, samples, guess_fx_fy_cx_cy, shape));
+  }
+  return fits;
 }
 
 }  // namespace raybundle

@@ -13,6 +13,9 @@ namespace raybundle {
 /// @param field  rays in the camera (as points) and their pixels
 LensVector fit_model(ModelId model, const PointsInView& field, const LensVector& guess_fx_fy_cx_cy);
 
+/// The same from each of the model's start and example shapes: all the ways in which it can describe the lens.
+std::vector<LensVector> model_fits(ModelId model, const PointsInView& samples, const LensVector& guess_fx_fy_cx_cy);
+
 /// Weak priors towards the model's start shape, so that terms that the data does not show stay small.
 LensBundleOptions model_options(ModelId model, const LensVector& mean, double scale_px);
 

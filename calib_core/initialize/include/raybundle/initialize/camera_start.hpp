@@ -29,8 +29,9 @@ CameraStart initialize_camera(const CalibrationProblem& problem, int camera);
 
 /// Poses of views under a known camera, robustly; the way back for views that were set aside.
 ///
-/// @return  camera_from_target; nothing, with `reason` set, when the view does not fit
+/// @param fit_px  a right corner lies within this
+/// @return        camera_from_target; nothing, with `reason` set, when the view does not fit
 std::optional<Rigid3> initialize_view(const CalibrationProblem& problem, const TargetView& view, const Camera& camera,
-                                      std::string& reason);
+                                      std::string& reason, double fit_px = 3.0);
 
 }  // namespace raybundle

@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "raybundle/camera/camera.hpp"
+#include "raybundle/geometry/rigid3.hpp"
+
+namespace raybundle {
+
+/// Cameras of the same model with other parameters that put rays nearly where this one puts them. Some models have such
+/// twins: a double_sphere lens with xi below zero looks like one with xi above. A solve that starts at one of them does
+/// not reach the other, and only their costs tell which is right.
+///
+/// @param rays_in_camera  where the camera has seen corners
+/// @return                those whose parameters are farther away than the projections tell; mostly none
+std::vector<Camera> twin_cameras(const Camera& camera, const std::vector<Eigen::Vector3d>& rays_in_camera);
+
+/// The other pose from which a flat board looks nearly the same, refined on the pixels; small or far boards have one,
+/// and a solve that starts there stays there.
+///
+/// @param points_in_target  N [m]
+/// @param pixels            N, same order, without wrong ones
+/// @return                  nothing when it does not explain the pixels better than the given pose
+std::optional<Rigid3> better_mirrored_pose(const Camera& camera, std::span<const Eigen::Vector3d> points_in_target,
+                                           std::span<const Eigen::Vector2d> pixels, const Rigid3& camera_from_target);
+
+}  // namespace raybundle

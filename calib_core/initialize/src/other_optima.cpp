@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/initialize/other_optima.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "lens_bundle.hpp"
+#include "linear_pose.hpp"
+#include "model_fit.hpp"
+#include "view_screen.hpp"
+
+namespace raybundle {
+namespace {
+
+constexpr std::size_t kSamples = 80;  ///< rays that twins are compared on
+constexpr double kAlikePx = 0.5;      ///< mean distance of the projections of twins
+constexpr double kFarTimes = 3.0;     ///< the linear prediction exceeds what is seen by this factor between twins ...
+constexpr double kFarPx = 0.3;        ///< ... and this much
+
+double sum_of_squares(const LensFunctions& lens, const LensVector& parameters, const PointsInView& view,
+                      const Rigid3& pose) {
+  std::vector<double> distances;
+  pixel_distances(lens, parameters.data(), view, pose, distances);
+  return std::accumulate(distances.begin(), distances.end(), 0.0, [](double sum, double d) { return sum + d * d; });
+}
+
+}  // namespace
+
+std::vector<Camera> twin_cameras(const Camera& camera, const std::vector<Eigen::Vector3d>& rays_in_camera) {
+  const LensFunctions lens = lens_functions(camera.model);
+  PointsInView field;
+  for (const Eigen::Vector3d& ray : rays_in_camera) {
+    Eigen::Vector2d pixel;
+    if (!lens.project(camera.parameters.data(), ray, pixel)) continue;
+    field.points.push_back(ray);
+    field.pixels.push_back(pixel);
+  }
+  std::vector<Camera> twins;
+  if (field.points.size() < 20) return twins;
+  field = thinned(field, kSamples);
+  LensBundleOptions here;
+  here.poses_fixed = true;
+  here.max_iterations = 0;
+  here.with_information = true;
+  LensVector parameters = camera.parameters;
+  std::vector<Rigid3> identity(1);
+  const LensMatrix information = refine_lens(lens, {field}, here, parameters, identity).information;
+  for (const LensVector& other : model_fits(camera.model, field, camera.parameters)) {
+    const auto count = static_cast<double>(field.points.size());
+    const double seen_px = std::sqrt(sum_of_squares(lens, other, field, Rigid3{}) / count);
+    const LensVector step = other - LensVector(camera.parameters);
+    const double predicted_px = std::sqrt(std::max(0.0, step.dot(information * step)) / count);
+    if (!(seen_px < kAlikePx) || predicted_px < kFarPx || predicted_px < kFarTimes * seen_px) continue;
+    const bool known = std::ranges::any_of(twins, [&](const Camera& twin) {
+      const LensVector apart = other - LensVector(twin.parameters);
+      return apart.norm() < 0.1 * step.norm();
+    });
+    if (!known) twins.push_back({camera.model, camera.size, other});
+  }
+  return twins;
+}
+
+std::optional<Rigid3> better_mirrored_pose(const Camera& camera, std::span<const Eigen::Vector3d> points_in_target,
+                                           std::span<const Eigen::Vector2d> pixels, const Rigid3& camera_from_target) {
+  const PrincipalFrame frame = principal_frame(points_in_target);
+  if (points_in_target.size() < 4 || frame.collinear() || !frame.planar()) return std::nullopt;
+  const LensFunctions lens = lens_functions(camera.model);
+  const PointsInView view{{points_in_target.begin(), points_in_target.end()}, {pixels.begin(), pixels.end()}};
+  LensVector parameters = camera.parameters;
+  const double squares = sum_of_squares(lens, parameters, view, camera_from_target);
+  const double scale_px = 10.0 * std::sqrt(squares / static_cast<double>(pixels.size())) + 1e-3;
+
+  LensBundleOptions options;
+  options.lens_fixed = true;
+  options.scale_px = scale_px;
+  std::vector<Rigid3> pose{mirrored_pose(camera_from_target, frame)};
+  options.max_iterations = 4;  // most boards fit one of the two only, and are soon known to
+  refine_lens(lens, {view}, options, parameters, pose);
+  if (!(sum_of_squares(lens, parameters, view, pose[0]) < 4.0 * squares)) return std::nullopt;
+  options.max_iterations = 20;
+  refine_lens(lens, {view}, options, parameters, pose);
+  if (!(sum_of_squares(lens, parameters, view, pose[0]) < (1.0 - 1e-6) * squares)) return std::nullopt;
+  return pose[0];
+}
+
+}  // namespace raybundle
