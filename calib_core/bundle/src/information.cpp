@@ -6,44 +6,13 @@
 #include <array>
 #include <map>
 
-#include "raybundle/bundle/parameters.hpp"
+#include "layout.hpp"
 #include "raybundle/bundle/view_block.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "unknowns.hpp"
 
 namespace raybundle {
 namespace {
-
-// Where the free parameters of each block stand among all free parameters.
-struct Layout {
-  std::vector<ParameterBlock> blocks;
-  std::vector<int> first;  // column of a block's first free parameter
-  int columns = 0;
-
-  explicit Layout(std::vector<ParameterBlock> all) : blocks(std::move(all)) {
-    for (const ParameterBlock& block : blocks) {
-      first.push_back(columns);
-      columns += static_cast<int>(block.free().size());
-    }
-  }
-
-  // Adds the free columns of a block's Jacobian to rows of the whole one.
-  template <typename Jacobian, typename Rows>
-  void scatter(ParameterBlock::Kind kind, int owner, const Jacobian& jacobian, Rows&& rows) const {
-    for (std::size_t b = 0; b < blocks.size(); ++b) {
-      if (blocks[b].kind != kind || blocks[b].owner != owner) continue;
-      int column = first[b];
-      for (int i : blocks[b].free()) rows.col(column++) = jacobian.col(i);
-    }
-  }
-};
-
-bool with_shape(const Layout& layout, int target) {
-  for (const ParameterBlock& block : layout.blocks) {
-    if (block.kind == ParameterBlock::Kind::kShape && block.owner == target) return !block.fixed();
-  }
-  return false;
-}
 
 // Rows of everything that one board pose is seen in: the pose's six columns and those of the free parameters.
 struct PoseRows {
@@ -92,9 +61,7 @@ ReducedInformation reduced_information(const CalibrationProblem& problem, const 
   std::map<int, PoseRows> poses;  // in order, so that sums are formed in the same order every time
   for (const ViewData& view : used_views(problem, state)) {
     ViewBlock block;
-    // Whole views: the triangular factor of a view squares its condition number.
-    const ViewBlockOptions view_options{.with_shape = with_shape(layout, view.target),
-                                        .compressed = false,
+    const ViewBlockOptions view_options{.with_shape = layout.estimates_shape(view.target),
                                         .robust_scale_sigma = options.robust_scale_sigma};
     if (!linearize_view(view, unknowns.at(view), view_options, block)) {
       throw Error(ErrorKind::kSolveFailed,
@@ -102,7 +69,7 @@ ReducedInformation reduced_information(const CalibrationProblem& problem, const 
                   view_name(problem, problem.views[view.view]));
     }
     result.chi2 += weighted_chi2(block);
-    result.residuals += 2 * static_cast<int>(view.pixel.cols());
+    result.residuals += 2 * static_cast<int>(view.pixel.rows());
     poses[view.pose].append(view, block, layout);
   }
   result.parameters += 6 * static_cast<int>(poses.size());

@@ -4,77 +4,176 @@
 
 #include <cmath>
 
+#include "lanes.hpp"
+#include "raybundle/geometry/rotation.hpp"
+#include "target_clones.hpp"
+
 namespace raybundle {
 namespace {
 
-struct CornerLoss {
-  double value = 0.0;   ///< ρ(s)
-  double weight = 1.0;  ///< ρ'(s)
+// The corners' offsets from the board's origin, in camera axes, and their weights; one entry for each row of ViewRows.
+struct Corners {
+  Eigen::Matrix<double, Eigen::Dynamic, 3> offset;
+  Eigen::VectorXd weight;  // 1/sigma, later with the root of ρ'
 };
 
-// Cauchy: ρ(s) = c² log(1 + s / c²); plain least squares for c = 0.
-CornerLoss corner_loss(double s, double scale) {
-  if (scale <= 0.0) return {s, 1.0};
-  const double ratio = s / (scale * scale);
-  return {scale * scale * std::log1p(ratio), 1.0 / (1.0 + ratio)};
-}
+[[gnu::always_inline]] inline void load(const double* from, double& number) { number = *from; }
+[[gnu::always_inline]] inline void load(const double* from, Lanes& lanes) { lanes = Lanes::from(from); }
+[[gnu::always_inline]] inline void store(double number, double* to) { *to = number; }
+[[gnu::always_inline]] inline void store(const Lanes& lanes, double* to) { lanes.store(to); }
 
-template <CameraModel M, bool with_shape>
-bool fill_rows_of(const ViewData& view, const ViewPoint& point, const MotionMap& map, double robust_scale,
-                  ViewRows& rows) {
+// What the model says of corner i, or of the Lanes::kCount from there on, into the columns where it stays: plane point,
+// its derivatives by the model's shape and, in the columns of the translation, by the ray.
+template <CameraModel M, typename Number>
+[[gnu::always_inline]] inline bool project_at(Eigen::Index i, const ViewData& view, const ViewPoint& point,
+                                              const MotionMap& map, Corners& corners, ViewRows& rows) {
   constexpr int n = kShapeSize<M>;
-  const double* p = point.intrinsics;
-  const double* shape = p + 4;
-  const Eigen::Vector3d normal = map.camera_from_target.col(2);
-  const Eigen::Index stride = rows.u.rows();
-  for (int i = 0; i < rows.corners; ++i) {
-    Eigen::Vector3d x = view.x_in_target.col(i);
-    x.z() += view.shape_basis.col(i).dot(point.shape);
-    const Eigen::Vector3d offset = map.camera_from_target * x;  // from the board's origin, in camera axes
-    const Eigen::Vector3d ray = offset + map.translation;
-    double plane[2];
-    double wrt_ray[6];
-    double wrt_model_shape[n > 0 ? 2 * n : 1];
-    if (!M::plane_from_ray(shape, ray.data(), plane, wrt_ray, wrt_model_shape)) return false;
-
-    double residual[2];
-    for (int axis = 0; axis < 2; ++axis) {
-      residual[axis] = (p[axis] * plane[axis] + p[2 + axis] - view.pixel(axis, i)) * view.inverse_sigma[i];
-    }
-    const double s = residual[0] * residual[0] + residual[1] * residual[1];
-    const CornerLoss loss = corner_loss(s, robust_scale);
-    rows.robust_chi2 += loss.value;
-    rows.weighted_chi2 += loss.weight * s;
-    const double root = std::sqrt(loss.weight);
-    const double scale = root * view.inverse_sigma[i];
-
-    for (int axis = 0; axis < 2; ++axis) {
-      double* out = (axis == 0 ? rows.u : rows.v).data() + i;
-      const auto put = [&](double value) {
-        *out = value;
-        out += stride;
-      };
-      const double focal = scale * p[axis];
-      put(scale * plane[axis]);
-      put(scale);
-      for (int k = 0; k < n; ++k) put(focal * wrt_model_shape[axis * n + k]);
-      const Eigen::Vector3d slope(focal * wrt_ray[3 * axis], focal * wrt_ray[3 * axis + 1],
-                                  focal * wrt_ray[3 * axis + 2]);
-      const Eigen::Vector3d turn = offset.cross(slope);  // slopeᵀ (w × offset) = (offset × slope)ᵀ w
-      for (int k = 0; k < 3; ++k) put(turn[k]);
-      for (int k = 0; k < 3; ++k) put(slope[k]);
-      if constexpr (with_shape) {
-        const double along_normal = slope.dot(normal);
-        for (int k = 0; k < 3; ++k) put(along_normal * view.shape_basis(k, i));
-      }
-      put(root * residual[axis]);
-    }
+  Number x[3];
+  for (int k = 0; k < 3; ++k) load(&view.x_in_target(i, k), x[k]);
+  for (int k = 0; k < 3; ++k) {
+    Number basis;
+    load(&view.shape_basis(i, k), basis);
+    x[2] += basis * Number(point.shape[k]);
+  }
+  Number ray[3];
+  for (int r = 0; r < 3; ++r) {
+    const auto to = [&](int k) { return Number(map.camera_from_target(r, k)); };
+    const Number offset = to(0) * x[0] + to(1) * x[1] + to(2) * x[2];
+    store(offset, &corners.offset(i, r));
+    ray[r] = offset + Number(map.translation[r]);
+  }
+  Number model_shape[n > 0 ? n : 1];
+  for (int k = 0; k < n; ++k) model_shape[k] = Number(point.intrinsics[4 + k]);
+  Number plane[2];
+  Number wrt_ray[6];
+  Number wrt_model_shape[n > 0 ? 2 * n : 1];
+  if (!M::plane_from_ray(model_shape, ray, plane, wrt_ray, wrt_model_shape)) return false;
+  for (int axis = 0; axis < 2; ++axis) {
+    Eigen::MatrixXd& side = axis == 0 ? rows.u : rows.v;
+    store(plane[axis], &side(i, 0));
+    for (int k = 0; k < n; ++k) store(wrt_model_shape[axis * n + k], &side(i, 2 + k));
+    for (int k = 0; k < 3; ++k) store(wrt_ray[3 * axis + k], &side(i, rows.motion() + 3 + k));
   }
   return true;
 }
 
-// Two rows at once: what every x86-64 and AArch64 has, so that all machines of a kind add in the same order.
-using Lane = double __attribute__((vector_size(16), aligned(8), may_alias));
+template <typename M>
+concept TakesLanes = requires(const Lanes* in, Lanes* out) {
+  M::plane_from_ray(in, in, out, out, out);
+};
+
+template <CameraModel M>
+RAYBUNDLE_TARGET_CLONES [[gnu::flatten]] bool project(const ViewData& view, const ViewPoint& point,
+                                                      const MotionMap& map, Corners& corners, ViewRows& rows) {
+  Eigen::Index i = 0;
+  if constexpr (TakesLanes<M>) {
+    for (; i + Lanes::kCount <= rows.corners; i += Lanes::kCount) {
+      Lanes::disagreed = false;
+      if (project_at<M, Lanes>(i, view, point, map, corners, rows) && !Lanes::disagreed) continue;
+      for (int lane = 0; lane < Lanes::kCount; ++lane) {
+        if (!project_at<M, double>(i + lane, view, point, map, corners, rows)) return false;
+      }
+    }
+  }
+  for (; i < rows.corners; ++i) {
+    if (!project_at<M, double>(i, view, point, map, corners, rows)) return false;
+  }
+  return true;
+}
+
+// Cauchy: ρ(s) = c² log(1 + s / c²), ρ'(s) = 1 / (1 + s / c²); plain least squares for c = 0.
+void weigh(double scale, Corners& corners, ViewRows& rows) {
+  auto residual_u = rows.u.rightCols<1>().array();
+  auto residual_v = rows.v.rightCols<1>().array();
+  if (scale <= 0.0) {
+    rows.robust_chi2 = rows.weighted_chi2 = residual_u.square().sum() + residual_v.square().sum();
+    return;
+  }
+  const double c2 = scale * scale;
+  rows.robust_chi2 = rows.weighted_chi2 = 0.0;
+  for (int i = 0; i < rows.corners; ++i) {
+    const double s = residual_u[i] * residual_u[i] + residual_v[i] * residual_v[i];
+    const double weight = 1.0 / (1.0 + s / c2);
+    const double root = std::sqrt(weight);
+    rows.robust_chi2 += c2 * std::log1p(s / c2);
+    rows.weighted_chi2 += weight * s;
+    residual_u[i] *= root;
+    residual_v[i] *= root;
+    corners.weight[i] *= root;
+  }
+}
+
+// Residual column of one axis, whitened: projected minus measured.
+RAYBUNDLE_TARGET_CLONES
+void subtract(const ViewData& view, const ViewPoint& point, int axis, const Corners& corners, Eigen::MatrixXd& side) {
+  const Eigen::Index count = view.pixel.rows();
+  const double focal = point.intrinsics[axis];
+  const double principal = point.intrinsics[2 + axis];
+  const double* plane = side.data();
+  const double* pixel = view.pixel.col(axis).data();
+  const double* weight = corners.weight.data();
+  double* residual = side.rightCols<1>().data();
+  for (Eigen::Index i = 0; i < count; ++i) {
+    residual[i] = (focal * plane[i] + principal - pixel[i]) * weight[i];
+  }
+}
+
+// Turns what project() left in one axis' columns into derivatives of the weighted pixel coordinate.
+RAYBUNDLE_TARGET_CLONES
+void differentiate(double focal, const Corners& corners, int model_shape_size, Eigen::MatrixXd& side) {
+  const Eigen::Index stride = side.rows();
+  const double* __restrict weight = corners.weight.data();
+  double* __restrict plane = side.data();
+  double* __restrict principal = plane + stride;
+  for (Eigen::Index i = 0; i < stride; ++i) {
+    plane[i] *= weight[i];
+    principal[i] = weight[i];
+  }
+  double* __restrict model_shape = principal + stride;
+  for (int k = 0; k < model_shape_size; ++k, model_shape += stride) {
+    for (Eigen::Index i = 0; i < stride; ++i) model_shape[i] *= focal * weight[i];
+  }
+  double* __restrict turn = model_shape;
+  double* __restrict slope = turn + 3 * stride;
+  const double* __restrict offset = corners.offset.data();
+  for (Eigen::Index i = 0; i < stride; ++i) {
+    const double scale = focal * weight[i];
+    const double sx = slope[i] * scale, sy = slope[i + stride] * scale, sz = slope[i + 2 * stride] * scale;
+    const double ox = offset[i], oy = offset[i + stride], oz = offset[i + 2 * stride];
+    slope[i] = sx;
+    slope[i + stride] = sy;
+    slope[i + 2 * stride] = sz;
+    turn[i] = oy * sz - oz * sy;  // slopeᵀ (w × offset) = (offset × slope)ᵀ w
+    turn[i + stride] = oz * sx - ox * sz;
+    turn[i + 2 * stride] = ox * sy - oy * sx;
+  }
+}
+
+// Columns of the board's shape, which moves points along the board's normal.
+void differentiate_shape(const ViewData& view, const Eigen::Vector3d& normal, int motion, Eigen::MatrixXd& side) {
+  const Eigen::Index count = view.shape_basis.rows();
+  const Eigen::VectorXd along_normal = side.middleCols<3>(motion + 3).topRows(count) * normal;
+  for (int k = 0; k < 3; ++k) {
+    side.col(motion + 6 + k).head(count) = along_normal.cwiseProduct(view.shape_basis.col(k));
+  }
+}
+
+void resize(const ViewData& view, const ViewBlockOptions& options, int model_shape_size, Corners& corners,
+            ViewRows& rows) {
+  rows.corners = static_cast<int>(view.pixel.rows());
+  rows.model_shape_size = model_shape_size;
+  rows.with_shape = options.with_shape;
+  const int padded = (rows.corners + ViewRows::kRowBlock - 1) / ViewRows::kRowBlock * ViewRows::kRowBlock;
+  for (Eigen::MatrixXd* side : {&rows.u, &rows.v}) {
+    side->resize(padded, rows.columns());
+    side->bottomRows(padded - rows.corners).setZero();
+  }
+  corners.offset.resize(padded, 3);
+  corners.offset.bottomRows(padded - rows.corners).setZero();
+  corners.weight.resize(padded);
+  corners.weight.head(rows.corners) = view.inverse_sigma;
+  corners.weight.tail(padded - rows.corners).setZero();
+}
 
 }  // namespace
 
@@ -84,57 +183,37 @@ MotionMap::MotionMap(const ViewPoint& point)
       arm(camera_from_rig * point.rig_from_target.translation),
       translation(arm + point.camera_from_rig.translation) {}
 
-bool fill_rows(const ViewData& view, const ViewPoint& point, const MotionMap& map, const ViewBlockOptions& options,
-               ViewRows& rows) {
-  if (!(point.intrinsics[0] > 0.0) || !(point.intrinsics[1] > 0.0)) return false;
-  return with_model(view.model, [&]<CameraModel M>() {
-    rows.corners = static_cast<int>(view.pixel.cols());
-    rows.model_shape_size = kShapeSize<M>;
-    rows.with_shape = options.with_shape;
-    rows.robust_chi2 = rows.weighted_chi2 = 0.0;
-    const int padded = (rows.corners + ViewRows::kRowBlock - 1) / ViewRows::kRowBlock * ViewRows::kRowBlock;
-    for (Eigen::MatrixXd* side : {&rows.u, &rows.v}) {
-      side->resize(padded, rows.columns());
-      side->bottomRows(padded - rows.corners).setZero();
-    }
-    if (options.with_shape) return fill_rows_of<M, true>(view, point, map, options.robust_scale_sigma, rows);
-    return fill_rows_of<M, false>(view, point, map, options.robust_scale_sigma, rows);
-  });
+Eigen::Matrix<double, 6, 6> MotionMap::wrt_rig_from_target() const {
+  Eigen::Matrix<double, 6, 6> map = Eigen::Matrix<double, 6, 6>::Zero();
+  map.topLeftCorner<3, 3>() = map.bottomRightCorner<3, 3>() = camera_from_rig;
+  return map;
 }
 
-void gram(const Eigen::MatrixXd& rows, Eigen::MatrixXd& product) {
-  const Eigen::Index columns = rows.cols();
-  const Eigen::Index stride = rows.rows();
-  product.resize(columns, columns);
-  const auto lane = [](const double* address) { return *reinterpret_cast<const Lane*>(address); };
-  // Blocks of 2×2 columns and two partial sums each: eight independent chains keep the adders busy.
-  for (Eigen::Index a = 0; a < columns; a += 2) {
-    const double* a0 = rows.data() + a * stride;
-    const double* a1 = a + 1 < columns ? a0 + stride : a0;
-    for (Eigen::Index b = a; b < columns; b += 2) {
-      const double* b0 = rows.data() + b * stride;
-      const double* b1 = b + 1 < columns ? b0 + stride : b0;
-      Lane sum[2][4] = {};
-      for (Eigen::Index i = 0; i < stride; i += ViewRows::kRowBlock) {
-        for (int half = 0; half < 2; ++half) {
-          const Eigen::Index k = i + 2 * half;
-          const Lane x0 = lane(a0 + k), x1 = lane(a1 + k), y0 = lane(b0 + k), y1 = lane(b1 + k);
-          sum[half][0] += x0 * y0;
-          sum[half][1] += x0 * y1;
-          sum[half][2] += x1 * y0;
-          sum[half][3] += x1 * y1;
-        }
-      }
-      const auto total = [&](int which) {
-        const Lane both = sum[0][which] + sum[1][which];
-        return both[0] + both[1];
-      };
-      product(a, b) = total(0);
-      if (b + 1 < columns) product(a, b + 1) = total(1);
-      if (a + 1 < columns && b > a) product(a + 1, b) = total(2);
-      if (a + 1 < columns && b + 1 < columns) product(a + 1, b + 1) = total(3);
-    }
+Eigen::Matrix<double, 6, 6> MotionMap::wrt_camera_from_rig() const {
+  Eigen::Matrix<double, 6, 6> map = Eigen::Matrix<double, 6, 6>::Identity();
+  map.bottomLeftCorner<3, 3>() = -skew(arm);
+  return map;
+}
+
+bool fill_rows(const ViewData& view, const ViewPoint& point, const MotionMap& map, const ViewBlockOptions& options,
+               ViewRows& rows) {
+  thread_local Corners corners;
+  if (!(point.intrinsics[0] > 0.0) || !(point.intrinsics[1] > 0.0)) return false;
+  const bool projectable = with_model(view.model, [&]<CameraModel M>() {
+    resize(view, options, kShapeSize<M>, corners, rows);
+    return project<M>(view, point, map, corners, rows);
+  });
+  if (!projectable) return false;
+  subtract(view, point, 0, corners, rows.u);
+  subtract(view, point, 1, corners, rows.v);
+  weigh(options.robust_scale_sigma, corners, rows);
+  differentiate(point.intrinsics[0], corners, rows.model_shape_size, rows.u);
+  differentiate(point.intrinsics[1], corners, rows.model_shape_size, rows.v);
+  if (rows.with_shape) {
+    differentiate_shape(view, map.camera_from_target.col(2), rows.motion(), rows.u);
+    differentiate_shape(view, map.camera_from_target.col(2), rows.motion(), rows.v);
   }
+  return true;
 }
 
 }  // namespace raybundle

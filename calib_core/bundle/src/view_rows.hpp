@@ -19,11 +19,15 @@ struct ViewRows {
   int model_shape_size = 0;
   bool with_shape = false;
   double robust_chi2 = 0.0;    ///< sum of ρ(s) over the corners, s the squared whitened distance
-  double weighted_chi2 = 0.0;  ///< sum of s ρ'(s)
+  double weighted_chi2 = 0.0;  ///< sum of s ρ'(s): of the squared residual columns
 
   static constexpr int kRowBlock = 4;
-  int columns() const { return 2 + model_shape_size + 6 + (with_shape ? 3 : 0) + 1; }
+  int motion() const { return 2 + model_shape_size; }  ///< first of its six columns
+  int columns() const { return motion() + 6 + (with_shape ? 3 : 0) + 1; }
   int unknowns() const { return columns() + 1; }  ///< fx fy cx cy, ... instead of focal and principal; without residual
+
+  /// Column among the unknowns, then the residual, for a column of u (axis 0) or v (axis 1).
+  static int full_column(int column, int axis) { return column < 2 ? 2 * column + axis : column + 2; }
 };
 
 /// Camera and board rotations, and how the motions of the two poses move the board in camera axes.
@@ -34,13 +38,17 @@ struct MotionMap {
   Eigen::Vector3d translation;         ///< of camera_from_target [m]
 
   explicit MotionMap(const ViewPoint& point);
+
+  /// Derivative of the motion in camera axes by that of rig_from_target: a motion (w, t) turns the board by R w about
+  /// its origin and shifts it by R t, R the rotation of camera_from_rig.
+  Eigen::Matrix<double, 6, 6> wrt_rig_from_target() const;
+
+  /// The same by the motion of camera_from_rig: turns by w, but about the rig's origin, and shifts by t.
+  Eigen::Matrix<double, 6, 6> wrt_camera_from_rig() const;
 };
 
 /// False where linearize_view is.
 bool fill_rows(const ViewData& view, const ViewPoint& point, const MotionMap& map, const ViewBlockOptions& options,
                ViewRows& rows);
-
-/// Upper triangle of rowsᵀ rows; the number of rows is a multiple of ViewRows::kRowBlock.
-void gram(const Eigen::MatrixXd& rows, Eigen::MatrixXd& product);
 
 }  // namespace raybundle

@@ -98,7 +98,7 @@ TEST_F(Information, IsTheSchurComplementOfTheNormalEquations) {
     ASSERT_TRUE(linearize_view(view,
                                {state_.cameras[view.camera].parameters.data(), state_.camera_from_rig[view.camera],
                                 state_.poses[view.pose].rig_from_target},
-                               {.compressed = true}, block));
+                               {}, block));
     Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(block.residual.size(), n + poses);
     jacobian.middleCols(8 * view.camera, 8) = block.wrt_intrinsics;
     if (view.camera == 1) jacobian.middleCols(16, 6) = block.wrt_camera_from_rig;

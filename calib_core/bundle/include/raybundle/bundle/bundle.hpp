@@ -24,8 +24,7 @@ struct BundleOptions {
   bool estimate_shape = false;      ///< bend and twist of flat targets
   double robust_scale_sigma = 0.0;  ///< Cauchy loss beyond this many sigmas of a corner; 0: plain least squares
   int max_iterations = 100;
-  int threads = 1;               ///< changes the time, never the bits
-  bool compressed_views = true;  ///< false: two rows for each corner, slower, the same answer; for comparison
+  int threads = 1;  ///< changes the time, never the bits
 };
 
 struct BundleSummary {

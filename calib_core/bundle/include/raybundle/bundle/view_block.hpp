@@ -9,16 +9,16 @@
 
 namespace raybundle {
 
-/// The used observations of one board view, gathered once; arrays have one entry for each of them.
+/// The used observations of one board view, gathered once; arrays have one row for each of them.
 struct ViewData {
   int view = 0;  ///< index into problem.views
   int camera = 0;
   int target = 0;
   int pose = 0;
   ModelId model;
-  Eigen::Matrix3Xd x_in_target;  ///< on the ideal board [m]
-  Eigen::Matrix3Xd shape_basis;  ///< as shape_basis(target)
-  Eigen::Matrix2Xd pixel;        ///< measured [px]
+  Eigen::MatrixX3d x_in_target;  ///< on the ideal board [m]
+  Eigen::MatrixX3d shape_basis;  ///< as shape_basis(target)
+  Eigen::MatrixX2d pixel;        ///< measured [px]
   Eigen::ArrayXd inverse_sigma;  ///< [1/px]
 };
 
@@ -35,16 +35,15 @@ struct ViewPoint {
 
 struct ViewBlockOptions {
   bool with_shape = false;          ///< fill ViewBlock::wrt_shape
-  bool compressed = true;           ///< rows of the triangular factor instead of two for each corner
   double robust_scale_sigma = 0.0;  ///< as BundleOptions
 };
 
-/// The whitened residual (projected minus measured) of one view and its Jacobians at a ViewPoint.
+/// The whitened residual (projected minus measured) of one view, two rows for each corner, and its Jacobians at a
+/// ViewPoint.
 ///
-/// Half the squared residual is the view's exact (robust) cost, and JᵀJ and Jᵀr are the same for both forms. Whole:
-/// two rows for each corner. Compressed: the rows of the triangular factor R of [J r], JᵀJ = RᵀR. With a robust loss
-/// the rows carry the square root of the weight ρ'. The last row has no Jacobian: it makes up the cost, which for a
-/// concave ρ is never less than what the other rows hold, because ρ(s) >= s ρ'(s).
+/// With a robust loss the rows carry the square root of the weight ρ'. The last row has no Jacobian: it makes up the
+/// cost, so that half the squared residual is the view's exact (robust) cost. For a concave ρ that is never less than
+/// what the other rows hold, because ρ(s) >= s ρ'(s).
 struct ViewBlock {
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   Eigen::VectorXd residual;
@@ -53,9 +52,6 @@ struct ViewBlock {
   Rows wrt_rig_from_target;  ///< columns as the motion of perturbed()
   Rows wrt_shape;            ///< bend_x, bend_y, twist; empty without
 };
-
-/// Rows of a ViewBlock of that view: known beforehand, as Ceres wants it.
-int view_block_rows(const ViewData& view, const ViewBlockOptions& options);
 
 /// False when the model does not project one of the corners, or a focal length is not positive; `block` is then not
 /// meaningful. No corner ever gets a made-up residual.

@@ -43,33 +43,35 @@ struct KannalaBrandt {
     return true;
   }
 
-  static bool plane_from_ray(const double* k, const double* ray, double* plane, double* plane_wrt_ray,
-                             double* plane_wrt_shape) {
-    const double rho2 = ray[0] * ray[0] + ray[1] * ray[1];
-    const bool on_axis = rho2 < 1e-24 * ray[2] * ray[2];
-    if (on_axis && !(ray[2] > 0)) return false;
-    const double rho = std::sqrt(rho2);
-    const double cosine = on_axis ? 1.0 : ray[0] / rho;  // of the azimuth
-    const double sine = on_axis ? 0.0 : ray[1] / rho;
-    const double angle = std::atan2(rho, ray[2]);
-    const double r = radius(k, angle);
+  template <typename T>
+  static bool plane_from_ray(const T* k, const T* ray, T* plane, T* plane_wrt_ray, T* plane_wrt_shape) {
+    using std::atan2, std::sqrt;
+    const T rho2 = ray[0] * ray[0] + ray[1] * ray[1];
+    const bool on_axis = rho2 < T(1e-24) * ray[2] * ray[2];
+    if (on_axis && !(ray[2] > T(0))) return false;
+    const T rho = sqrt(rho2);
+    const T inverse_rho = T(1) / rho;
+    const T cosine = on_axis ? T(1) : ray[0] * inverse_rho;  // of the azimuth
+    const T sine = on_axis ? T(0) : ray[1] * inverse_rho;
+    const T angle = atan2(rho, ray[2]);
+    const T r = radius(k, angle);
     plane[0] = r * cosine;
     plane[1] = r * sine;
 
-    const double inverse_norm2 = 1.0 / (rho2 + ray[2] * ray[2]);
-    const double slope = radius_slope(k, angle);
-    const double tangential = on_axis ? 1.0 / ray[2] : r / rho;
-    const double radial = slope * ray[2] * inverse_norm2;
-    const double along_axis = -slope * rho * inverse_norm2;
-    const double difference = radial - tangential;
+    const T inverse_norm2 = T(1) / (rho2 + ray[2] * ray[2]);
+    const T slope = radius_slope(k, angle);
+    const T tangential = on_axis ? T(1) / ray[2] : r * inverse_rho;
+    const T radial = slope * ray[2] * inverse_norm2;
+    const T along_axis = -slope * rho * inverse_norm2;
+    const T difference = radial - tangential;
     plane_wrt_ray[0] = tangential + difference * cosine * cosine;
     plane_wrt_ray[1] = plane_wrt_ray[3] = difference * cosine * sine;
     plane_wrt_ray[2] = along_axis * cosine;
     plane_wrt_ray[4] = tangential + difference * sine * sine;
     plane_wrt_ray[5] = along_axis * sine;
 
-    const double angle2 = angle * angle;
-    double power = angle;
+    const T angle2 = angle * angle;
+    T power = angle;
     for (int i = 0; i < 4; ++i) {
       power *= angle2;
       plane_wrt_shape[i] = power * cosine;
@@ -104,9 +106,10 @@ struct KannalaBrandt {
     return angle * (T(1) + a2 * (k[0] + a2 * (k[1] + a2 * (k[2] + a2 * k[3]))));
   }
 
-  static double radius_slope(const double* k, double angle) {
-    const double a2 = angle * angle;
-    return 1.0 + a2 * (3 * k[0] + a2 * (5 * k[1] + a2 * (7 * k[2] + a2 * 9 * k[3])));
+  template <typename T>
+  static T radius_slope(const T* k, const T& angle) {
+    const T a2 = angle * angle;
+    return T(1) + a2 * (T(3) * k[0] + a2 * (T(5) * k[1] + a2 * (T(7) * k[2] + a2 * T(9) * k[3])));
   }
 };
 static_assert(CameraModel<KannalaBrandt>);

@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "layout.hpp"
+
+#include <algorithm>
+
+namespace raybundle {
+
+Layout::Layout(std::vector<ParameterBlock> all) : blocks(std::move(all)) {
+  for (const ParameterBlock& block : blocks) {
+    first.push_back(columns);
+    free.push_back(block.free());
+    columns += static_cast<int>(free.back().size());
+  }
+}
+
+int Layout::block(ParameterBlock::Kind kind, int owner) const {
+  const auto found = std::ranges::find_if(
+      blocks, [&](const ParameterBlock& block) { return block.kind == kind && block.owner == owner; });
+  return static_cast<int>(found - blocks.begin());
+}
+
+std::vector<int> Layout::columns_of(ParameterBlock::Kind kind, int owner) const {
+  const int b = block(kind, owner);
+  std::vector<int> result(blocks[b].parameters.size(), -1);
+  for (std::size_t k = 0; k < free[b].size(); ++k) result[free[b][k]] = first[b] + static_cast<int>(k);
+  return result;
+}
+
+bool Layout::estimates_shape(int target) const { return !free[block(ParameterBlock::Kind::kShape, target)].empty(); }
+
+}  // namespace raybundle

@@ -1,0 +1,277 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "normal_equations.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <atomic>
+
+#include "view_rows.hpp"
+
+namespace raybundle {
+namespace {
+
+using Kind = ParameterBlock::Kind;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6X = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+
+constexpr int kMostChunks = 64;  // of poses that are summed up apart: enough for the threads, few enough for the memory
+
+// Diagonal to be added; nothing may stay without any, not even what no observation depends on.
+double damping(double diagonal, double radius) { return std::max(diagonal, 1e-6) / radius; }
+
+// A view's normal equations with the motion of rig_from_target in place of that in camera axes and, behind all other
+// columns, the motion of camera_from_rig; both triangles.
+Eigen::MatrixXd expanded(const Eigen::MatrixXd& products, const MotionMap& map, Eigen::Index intrinsics) {
+  const Eigen::Index n = products.cols();
+  Eigen::MatrixXd result(n + 6, n + 6);
+  result.topLeftCorner(n, n) = products.selfadjointView<Eigen::Upper>();
+  const Matrix6 wrt_pose = map.wrt_rig_from_target();
+  const Matrix6 wrt_camera = map.wrt_camera_from_rig();
+  const Matrix6X rows = result.middleRows<6>(intrinsics).leftCols(n);
+  const Matrix6 among = rows.middleCols<6>(intrinsics);
+  result.block(intrinsics, 0, 6, n).noalias() = wrt_pose.transpose() * rows;
+  result.block(n, 0, 6, n).noalias() = wrt_camera.transpose() * rows;
+  result.block<6, 6>(intrinsics, intrinsics) = wrt_pose.transpose() * among * wrt_pose;
+  result.block<6, 6>(n, intrinsics) = wrt_camera.transpose() * among * wrt_pose;
+  result.block<6, 6>(n, n) = wrt_camera.transpose() * among * wrt_camera;
+  result.block(0, intrinsics, n, 6) = result.block(intrinsics, 0, 6, n).transpose().eval();
+  result.block(0, n, n, 6) = result.block(n, 0, 6, n).transpose();
+  return result;
+}
+
+PriorMean values_of(const Unknowns& unknowns, const ParameterBlock& block) {
+  switch (block.kind) {
+    case Kind::kIntrinsics:
+      return {.values = unknowns.intrinsics[block.owner], .camera_from_rig = {}};
+    case Kind::kCameraFromRig:
+      return {.values = {}, .camera_from_rig = unknowns.camera_from_rig[block.owner]};
+    case Kind::kShape:
+      break;
+  }
+  return {.values = unknowns.shapes[block.owner], .camera_from_rig = {}};
+}
+
+}  // namespace
+
+// How a pose follows the parameters: its motion is -shift - follow * (step of its columns).
+struct NormalEquations::EliminatedPose {
+  Matrix6X follow;
+  Vector6 shift;
+  Vector6 damping;
+};
+
+// Normal equations of the layout's parameters, or of some poses' part in them; upper triangle.
+struct NormalEquations::Reduced {
+  Eigen::MatrixXd matrix;    // after the elimination
+  Eigen::VectorXd gradient;  // after the elimination
+  Eigen::VectorXd diagonal;  // before it
+  double decrease = 0.0;     // twice what the poses alone can take off the cost
+  bool definite = true;
+
+  explicit Reduced(int columns)
+      : matrix(Eigen::MatrixXd::Zero(columns, columns)),
+        gradient(Eigen::VectorXd::Zero(columns)),
+        diagonal(Eigen::VectorXd::Zero(columns)) {}
+
+  void operator+=(const Reduced& other) {
+    matrix += other.matrix;
+    gradient += other.gradient;
+    diagonal += other.diagonal;
+    decrease += other.decrease;
+    definite = definite && other.definite;
+  }
+};
+
+NormalEquations::NormalEquations(const CalibrationProblem& problem, const BundleState& state,
+                                 const BundleOptions& options)
+    : layout_(estimated_blocks(problem, state, options)),
+      views_(used_views(problem, state)),
+      refusals_(views_.size(), 0),
+      workers_(options.threads) {
+  for (const ParameterBlock& block : layout_.blocks) prior_means_.push_back(prior_mean(problem, state, block));
+  for (const ViewData& view : views_) {
+    view_options_.push_back(
+        {.with_shape = layout_.estimates_shape(view.target), .robust_scale_sigma = options.robust_scale_sigma});
+  }
+  group_by_pose(state.poses.size());
+}
+
+void NormalEquations::group_by_pose(std::size_t poses) {
+  std::vector<std::vector<int>> columns_of_view(views_.size());  // of expanded()
+  std::vector<int> group_of_pose(poses, -1);
+  for (int v = 0; v < static_cast<int>(views_.size()); ++v) {
+    const ViewData& view = views_[v];
+    std::vector<int>& columns = columns_of_view[v];
+    const auto append = [&](const std::vector<int>& more) { columns.insert(columns.end(), more.begin(), more.end()); };
+    append(layout_.columns_of(Kind::kIntrinsics, view.camera));
+    append(std::vector<int>(6, -1));
+    if (view_options_[v].with_shape) append(layout_.columns_of(Kind::kShape, view.target));
+    append({-1});
+    if (view.camera != 0) append(layout_.columns_of(Kind::kCameraFromRig, view.camera));
+    int& group = group_of_pose[view.pose];
+    if (group < 0) {
+      group = static_cast<int>(poses_.size());
+      poses_.push_back({.pose = view.pose, .views = {}, .columns = {}});
+    }
+    poses_[group].views.push_back(v);
+  }
+  local_columns_.resize(views_.size());
+  for (PoseViews& group : poses_) {
+    for (int v : group.views) {
+      std::ranges::copy_if(columns_of_view[v], std::back_inserter(group.columns),
+                           [](int column) { return column >= 0; });
+    }
+    std::ranges::sort(group.columns);
+    group.columns.erase(std::ranges::unique(group.columns).begin(), group.columns.end());
+    group.columns.shrink_to_fit();
+    for (int v : group.views) {
+      std::vector<int>& local = local_columns_[v] = columns_of_view[v];
+      for (int& column : local) {
+        if (column >= 0)
+          column = 6 + static_cast<int>(std::ranges::lower_bound(group.columns, column) - group.columns.begin());
+      }
+      const auto motion = with_model(views_[v].model, []<CameraModel M>() { return kParameterCount<M>; });
+      for (int k = 0; k < 6; ++k) local[motion + k] = k;
+      local[motion + 6 + (view_options_[v].with_shape ? 3 : 0)] = 6 + static_cast<int>(group.columns.size());
+    }
+  }
+}
+
+bool NormalEquations::linearize(const Unknowns& unknowns, Linearization& result) {
+  result.views.resize(views_.size());
+  std::atomic<bool> projectable = true;
+  workers_.for_each(static_cast<int>(views_.size()), [&](int v) {
+    if (accumulate_view(views_[v], unknowns.at(views_[v]), view_options_[v], result.views[v])) return;
+    ++refusals_[v];
+    projectable = false;
+  });
+  double chi2 = 0.0;
+  for (const ViewNormal& view : result.views) chi2 += view.chi2;
+  result.priors.clear();
+  for (std::size_t b = 0; b < layout_.blocks.size(); ++b) {
+    const ParameterBlock& block = layout_.blocks[b];
+    result.priors.push_back(prior_residual(block, prior_means_[b], values_of(unknowns, block)));
+    chi2 += result.priors.back().residual.squaredNorm();
+  }
+  result.cost = 0.5 * chi2;
+  return projectable;
+}
+
+Eigen::MatrixXd NormalEquations::local_equations(const PoseViews& group, const Unknowns& unknowns,
+                                                 const Linearization& at) const {
+  const auto size = static_cast<Eigen::Index>(6 + group.columns.size() + 1);
+  Eigen::MatrixXd local = Eigen::MatrixXd::Zero(size, size);
+  for (int v : group.views) {
+    const std::vector<int>& columns = local_columns_[v];
+    const auto scatter = [&](const Eigen::MatrixXd& products) {
+      for (std::size_t b = 0; b < columns.size(); ++b) {
+        for (std::size_t a = 0; a <= b && columns[b] >= 0; ++a) {
+          if (columns[a] >= 0)
+            local(std::min(columns[a], columns[b]), std::max(columns[a], columns[b])) += products(a, b);
+        }
+      }
+    };
+    const Eigen::MatrixXd& products = at.views[v].products;
+    if (views_[v].camera == 0) {
+      scatter(products);  // its frame is the rig's
+    } else {
+      scatter(expanded(products, MotionMap(unknowns.at(views_[v])), unknowns.intrinsics[views_[v].camera].size()));
+    }
+  }
+  return local;
+}
+
+bool NormalEquations::eliminate(const PoseViews& group, double radius, Eigen::MatrixXd& local, EliminatedPose& pose,
+                                Reduced& reduced) const {
+  const auto count = static_cast<Eigen::Index>(group.columns.size());
+  Matrix6 own = local.topLeftCorner<6, 6>();
+  for (int k = 0; k < 6; ++k) pose.damping[k] = damping(own(k, k), radius);
+  own.diagonal() += pose.damping;
+  const Eigen::LLT<Matrix6, Eigen::Upper> factor(own);
+  if (factor.info() != Eigen::Success) return false;
+  const Matrix6X across = local.topRightCorner(6, count + 1);
+  const Matrix6X solved = factor.solve(across);
+  pose.follow = solved.leftCols(count);
+  pose.shift = solved.col(count);
+  reduced.decrease += across.col(count).dot(pose.shift);
+  for (Eigen::Index a = 0; a < count; ++a) reduced.diagonal[group.columns[a]] += local(6 + a, 6 + a);
+  local.bottomRightCorner(count + 1, count + 1).noalias() -= across.transpose().lazyProduct(solved);
+  for (Eigen::Index b = 0; b < count; ++b) {
+    for (Eigen::Index a = 0; a <= b; ++a) reduced.matrix(group.columns[a], group.columns[b]) += local(6 + a, 6 + b);
+    reduced.gradient[group.columns[b]] += local(6 + b, 6 + count);
+  }
+  return true;
+}
+
+void NormalEquations::add_priors(const Linearization& at, Reduced& reduced) const {
+  for (std::size_t b = 0; b < layout_.blocks.size(); ++b) {
+    const PriorResidual& prior = at.priors[b];
+    if (prior.residual.size() == 0) continue;
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(prior.residual.size(), layout_.columns);
+    layout_.scatter(layout_.blocks[b].kind, layout_.blocks[b].owner, prior.jacobian, rows);
+    reduced.matrix += rows.transpose() * rows;
+    reduced.gradient += rows.transpose() * prior.residual;
+    reduced.diagonal += rows.colwise().squaredNorm().transpose();
+  }
+}
+
+std::optional<Step> NormalEquations::step(const Unknowns& unknowns, const Linearization& at, double radius) {
+  const int poses = static_cast<int>(poses_.size());
+  const int per_chunk = (poses + kMostChunks - 1) / kMostChunks;
+  const int chunks = (poses + per_chunk - 1) / per_chunk;
+  std::vector<EliminatedPose> eliminated(poses);
+  std::vector<Reduced> parts(chunks, Reduced(layout_.columns));
+  workers_.for_each(chunks, [&](int c) {
+    for (int p = c * per_chunk; p < std::min((c + 1) * per_chunk, poses); ++p) {
+      Eigen::MatrixXd local = local_equations(poses_[p], unknowns, at);
+      if (!eliminate(poses_[p], radius, local, eliminated[p], parts[c])) parts[c].definite = false;
+    }
+  });
+  Reduced reduced(layout_.columns);
+  for (const Reduced& part : parts) reduced += part;
+  add_priors(at, reduced);
+  if (!reduced.definite) return {};
+
+  const Eigen::VectorXd damped = reduced.diagonal.unaryExpr([&](double d) { return damping(d, radius); });
+  reduced.matrix.diagonal() += damped;
+  const Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> factor(reduced.matrix);
+  if (factor.info() != Eigen::Success) return {};
+  Step step;
+  step.parameters = -factor.solve(reduced.gradient);
+  step.motions.assign(unknowns.rig_from_target.size(), Vector6::Zero());
+  double damped_square = (damped.array() * step.parameters.array().square()).sum();
+  for (int p = 0; p < poses; ++p) {
+    Vector6& motion = step.motions[poses_[p].pose];
+    motion = -eliminated[p].shift - eliminated[p].follow * step.parameters(poses_[p].columns);
+    damped_square += (eliminated[p].damping.array() * motion.array().square()).sum();
+  }
+  // With the gradient g and the damping D: (H + D) step = -g, hence -gᵀ step - stepᵀ H step / 2 is this.
+  step.predicted_decrease = 0.5 * (damped_square + reduced.decrease - reduced.gradient.dot(step.parameters));
+  return step;
+}
+
+Unknowns NormalEquations::moved(const Unknowns& unknowns, const Step& step) const {
+  Unknowns result = unknowns;
+  for (std::size_t b = 0; b < layout_.blocks.size(); ++b) {
+    const ParameterBlock& block = layout_.blocks[b];
+    if (layout_.free[b].empty()) continue;
+    Eigen::VectorXd change = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(block.parameters.size()));
+    change(layout_.free[b]) =
+        step.parameters.segment(layout_.first[b], static_cast<Eigen::Index>(layout_.free[b].size()));
+    if (block.kind == Kind::kIntrinsics) result.intrinsics[block.owner] += change;
+    if (block.kind == Kind::kShape) result.shapes[block.owner] += change;
+    if (block.kind == Kind::kCameraFromRig) {
+      Rigid3& pose = result.camera_from_rig[block.owner];
+      pose = perturbed(pose, change);
+    }
+  }
+  for (const PoseViews& group : poses_) {
+    Rigid3& pose = result.rig_from_target[group.pose];
+    pose = perturbed(pose, step.motions[group.pose]);
+  }
+  return result;
+}
+
+}  // namespace raybundle

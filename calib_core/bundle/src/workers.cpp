@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "workers.hpp"
+
+namespace raybundle {
+
+Workers::Workers(int threads) {
+  for (int t = 1; t < threads; ++t) others_.emplace_back([this] { wait_for_loops(); });
+}
+
+Workers::~Workers() {
+  loops_ = -1;
+  loops_.notify_all();
+}
+
+void Workers::for_each(int count, const std::function<void(int)>& function) {
+  function_ = &function;
+  count_ = count;
+  // Some calls at a time, since one may be shorter than what it costs to hand it out; but all threads shall end
+  // together.
+  batch_ = std::clamp(count / (16 * (1 + static_cast<int>(others_.size()))), 1, 8);
+  next_ = 0;
+  busy_ = static_cast<int>(others_.size());
+  if (!others_.empty()) {
+    ++loops_;
+    loops_.notify_all();
+  }
+  work();
+  for (int busy = busy_; busy > 0; busy = busy_) busy_.wait(busy);
+}
+
+void Workers::work() {
+  for (int begin = next_.fetch_add(batch_); begin < count_; begin = next_.fetch_add(batch_)) {
+    for (int i = begin; i < std::min(begin + batch_, count_); ++i) (*function_)(i);
+  }
+}
+
+void Workers::wait_for_loops() {
+  for (int seen = 0;;) {
+    loops_.wait(seen);
+    seen = loops_;
+    if (seen < 0) return;
+    work();
+    if (--busy_ == 0) busy_.notify_one();
+  }
+}
+
+}  // namespace raybundle
