@@ -23,9 +23,9 @@ namespace raybundle {
 namespace {
 
 RigStart rig_start(const CalibrationProblem& problem, const std::vector<std::optional<Rigid3>>& camera_from_target,
-                   std::vector<StageTime>& stages) {
+                   const std::vector<std::optional<Rigid3>>& mirrored, std::vector<StageTime>& stages) {
   const Stopwatch stopwatch(stages, "start");
-  return initialize_rig(problem, camera_from_target);
+  return initialize_rig(problem, camera_from_target, mirrored);
 }
 
 BundleState rig_state(const CalibrationProblem& problem, const CamerasAlone& alone, const std::vector<int>& cameras,
@@ -130,15 +130,16 @@ CalibrationResult calibrate_in_order(const CalibrationProblem& problem, const Ca
   }
   if (cameras.empty()) throw Error(ErrorKind::kNotEnoughData, alone.why_not.front());
   Subproblem sub = select_cameras(problem, cameras);
-  std::vector<std::optional<Rigid3>> camera_from_target;
+  std::vector<std::optional<Rigid3>> camera_from_target, mirrored;
   std::vector<std::vector<ObservationFate>> fates;
   std::vector<std::string> reasons;
   for (int v : sub.views) {
     fates.push_back(alone.fates[v]);
     camera_from_target.push_back(alone.camera_from_target[v]);
+    mirrored.push_back(alone.mirrored[v]);
     reasons.push_back(alone.reasons[v]);
   }
-  const RigStart rig = rig_start(sub.problem, camera_from_target, result.stages);
+  const RigStart rig = rig_start(sub.problem, camera_from_target, mirrored, result.stages);
   sub.problem = relabelled(sub.problem, rig.symmetry_of_view);
 
   // One bundle for everything.

@@ -29,11 +29,14 @@ void solve_camera_alone(const CalibrationProblem& problem, int camera, const Cal
   const BundleSummary solved = solve_without_outliers(single.problem, state, options, false, reasons);
   alone.summaries[camera] = leave_local_optima(single.problem, state, options, reasons, solved);
   alone.cameras[camera] = state.cameras[0];
+  std::vector<std::optional<Rigid3>> mirrored(single.views.size());
+  if (problem.cameras.size() > 1) mirrored = mirrored_boards(single.problem, state);
   for (std::size_t v = 0; v < single.views.size(); ++v) {
     const int view = single.views[v];
     alone.reasons[view] = reasons[v];
     alone.fates[view] = state.fates[v];
     if (state.pose_of_view[v] >= 0) alone.camera_from_target[view] = state.poses[state.pose_of_view[v]].rig_from_target;
+    alone.mirrored[view] = mirrored[v];
   }
 }
 
@@ -46,6 +49,7 @@ CamerasAlone solve_cameras_alone(const CalibrationProblem& problem, const Calibr
   alone.summaries.resize(problem.cameras.size());
   alone.why_not.resize(problem.cameras.size());
   alone.camera_from_target.resize(problem.views.size());
+  alone.mirrored.resize(problem.views.size());
   alone.fates.resize(problem.views.size());
   alone.reasons.resize(problem.views.size());
   for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {

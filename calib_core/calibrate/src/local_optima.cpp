@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::size_t kMostRays = 400;  // of the lens's field, spread over the views
 constexpr double kLower = 1e-7;         // relative: by which another optimum's cost must be lower
+constexpr double kMirroredGain = 1e-6;  // relative: by which a mirrored board's squares must be smaller
 
 /// The corners in use of a view.
 struct UsedCorners {
@@ -37,10 +38,10 @@ bool turn_mirrored_boards(const CalibrationProblem& single, BundleState& state) 
     if (pose < 0) continue;
     const UsedCorners used = used_corners(single, state, v);
     Rigid3& board = state.poses[pose].rig_from_target;
-    if (const auto mirrored = better_mirrored_pose(state.cameras[0], used.points, used.pixels, board)) {
-      board = *mirrored;
-      turned = true;
-    }
+    const auto mirrored = find_mirrored_pose(state.cameras[0], used.points, used.pixels, board);
+    if (!mirrored || !(mirrored->squares_ratio < 1.0 - kMirroredGain)) continue;
+    board = mirrored->camera_from_target;
+    turned = true;
   }
   return turned;
 }
@@ -60,6 +61,19 @@ std::vector<Eigen::Vector3d> rays_seen(const CalibrationProblem& single, const B
 }
 
 }  // namespace
+
+std::vector<std::optional<Rigid3>> mirrored_boards(const CalibrationProblem& single, const BundleState& state) {
+  std::vector<std::optional<Rigid3>> camera_from_target(single.views.size());
+  for (std::size_t v = 0; v < single.views.size(); ++v) {
+    const int pose = state.pose_of_view[v];
+    if (pose < 0) continue;
+    const UsedCorners used = used_corners(single, state, v);
+    const Rigid3& board = state.poses[pose].rig_from_target;
+    const auto mirrored = find_mirrored_pose(state.cameras[0], used.points, used.pixels, board);
+    if (mirrored) camera_from_target[v] = mirrored->camera_from_target;
+  }
+  return camera_from_target;
+}
 
 BundleSummary leave_local_optima(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
                                  std::vector<std::string>& reasons, const BundleSummary& solved) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,5 +20,11 @@ namespace raybundle {
 /// @return         of the last solve: `solved` where nothing was better
 BundleSummary leave_local_optima(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
                                  std::vector<std::string>& reasons, const BundleSummary& solved);
+
+/// The poses from which the boards look nearly the same to their camera; other cameras of a rig may know better.
+///
+/// @param single  a problem with one camera, solved
+/// @return        aligned with problem.views; empty where the pixels tell
+std::vector<std::optional<Rigid3>> mirrored_boards(const CalibrationProblem& single, const BundleState& state);
 
 }  // namespace raybundle

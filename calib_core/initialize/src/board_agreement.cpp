@@ -61,45 +61,77 @@ Matrix6 covariance_of(const Target& target, const TargetView& view, const Rigid3
   return scale.asDiagonal() * scaled.ldlt().solve(Matrix6::Identity()) * scale.asDiagonal();
 }
 
-PosedView posed_view(const CalibrationProblem& problem, int index, const Rigid3& pose) {
+PosedView posed_view(const CalibrationProblem& problem, int index, const Rigid3& pose,
+                     const std::optional<Rigid3>& mirrored) {
   const TargetView& view = problem.views[index];
   const Target& target = problem.targets[view.target];
   PosedView posed;
   posed.view = index;
   posed.camera = view.camera;
-  posed.camera_from_target.push_back(pose);
-  for (const TargetSymmetry& symmetry : target.symmetries) {
-    posed.camera_from_target.push_back(pose * motion_of(target, symmetry).inverse());
-  }
+  std::vector<Rigid3> as_labelled{pose};
+  if (mirrored) as_labelled.push_back(*mirrored);
+  posed.as_labelled = static_cast<int>(as_labelled.size());
   std::vector<Eigen::Vector3d> points;
   for (const TargetPoint& point : target.points) points.push_back(point.x_in_target);
   posed.centre_in_target = principal_frame(points).centre;
 
-  for (std::size_t k = 0; k < posed.camera_from_target.size(); ++k) {
-    const Eigen::Matrix3d label_from_target =
-        (posed.camera_from_target[k].rotation.conjugate() * pose.rotation).toRotationMatrix();
+  for (int symmetry = -1; symmetry < static_cast<int>(target.symmetries.size()); ++symmetry) {
+    const Rigid3 motion = symmetry < 0 ? Rigid3{} : motion_of(target, target.symmetries[symmetry]);
     Matrix6 turn = Matrix6::Zero();
-    turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = label_from_target;
-    posed.covariance.push_back(turn * covariance_of(target, view, pose, posed.centre_in_target) * turn.transpose());
+    turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = motion.rotation.toRotationMatrix();
+    for (const Rigid3& candidate : as_labelled) {
+      posed.camera_from_target.push_back(candidate * motion.inverse());
+      posed.symmetry.push_back(symmetry);
+      const Matrix6 covariance = covariance_of(target, view, candidate, posed.centre_in_target);
+      posed.covariance.push_back(turn * covariance * turn.transpose());
+    }
   }
   return posed;
 }
 
-Rigid3 relative_pose(const PosedView& a, const PosedView& b, int b_labelling) {
-  return b.camera_from_target[b_labelling] * a.camera_from_target[0].inverse();
+std::vector<Rigid3> relative_poses(const PosedView& a, const PosedView& b) {
+  std::vector<Rigid3> b_from_a;
+  for (int k = 0; k < a.as_labelled; ++k) {
+    for (const Rigid3& b_from_target : b.camera_from_target) {
+      b_from_a.push_back(b_from_target * a.camera_from_target[k].inverse());
+    }
+  }
+  return b_from_a;
 }
 
 using Pairs = std::vector<std::pair<const PosedView*, const PosedView*>>;
 
+/// Disagreement of the candidates of both views that agree best.
+struct PairDisagreement {
+  Disagreement of_b;
+  int a_candidate = 0;
+};
+
+PairDisagreement pair_disagreement(const PosedView& a, const PosedView& b, const Rigid3& b_from_a) {
+  PairDisagreement best{disagreement(a, 0, b, b_from_a)};
+  for (int k = 1; k < a.as_labelled; ++k) {
+    const Disagreement d = disagreement(a, k, b, b_from_a);
+    if (d.size < best.of_b.size) best = {d, k};
+  }
+  return best;
+}
+
 std::vector<double> sizes(const Pairs& pairs, const Rigid3& b_from_a) {
   std::vector<double> result;
-  for (const auto& [a, b] : pairs) result.push_back(disagreement(*a, 0, *b, b_from_a).size);
+  for (const auto& [a, b] : pairs) result.push_back(pair_disagreement(*a, *b, b_from_a).of_b.size);
   return result;
 }
 
+/// Size that a quorum of the frames stays below. A frame always agrees with the pose that it proposes itself, so that at
+/// least one more must.
+double quorum_size(std::vector<double>& sizes) {
+  const double one_more = 1.0 / std::max(1.0, static_cast<double>(sizes.size()) - 1.0);
+  return quantile(sizes, std::max(kQuorum, one_more));
+}
+
 /// Motion of the board, in its own frame at its centre, from where `b` has it to where `expected` has it.
-Vector6 motion_in_board(const PosedView& b, int labelling, const Rigid3& expected) {
-  const Rigid3& seen = b.camera_from_target[labelling];
+Vector6 motion_in_board(const PosedView& b, int candidate, const Rigid3& expected) {
+  const Rigid3& seen = b.camera_from_target[candidate];
   Vector6 motion;
   motion.head<3>() = vector_from_rotation((seen.rotation.conjugate() * expected.rotation).toRotationMatrix());
   motion.tail<3>() = seen.rotation.conjugate() * (expected * b.centre_in_target - seen * b.centre_in_target);
@@ -111,20 +143,20 @@ Rigid3 improved_pose(const Pairs& pairs, const Rigid3& b_from_a, double limit) {
   Matrix6 normal = Matrix6::Zero();
   Vector6 right = Vector6::Zero();
   for (const auto& [a, b] : pairs) {
-    const Disagreement d = disagreement(*a, 0, *b, b_from_a);
+    const auto [d, a_candidate] = pair_disagreement(*a, *b, b_from_a);
     if (!(d.size <= limit)) continue;
-    const Rigid3 expected = b_from_a * a->camera_from_target[0];
+    const Rigid3 expected = b_from_a * a->camera_from_target[a_candidate];
     const Eigen::Matrix3d board_from_camera =
-        b->camera_from_target[d.labelling].rotation.conjugate().toRotationMatrix();
+        b->camera_from_target[d.candidate].rotation.conjugate().toRotationMatrix();
     // perturbed(b_from_a, (w, v)) moves the board's centre by v and by w across its arm from the translation.
     const Eigen::Vector3d arm = expected * b->centre_in_target - b_from_a.translation;
     Matrix6 jacobian = Matrix6::Zero();
     jacobian.topLeftCorner<3, 3>() = board_from_camera;
     jacobian.bottomLeftCorner<3, 3>() = -board_from_camera * skew(arm);
     jacobian.bottomRightCorner<3, 3>() = board_from_camera;
-    const Matrix6 weighted = (a->covariance[0] + b->covariance[d.labelling]).ldlt().solve(jacobian);
+    const Matrix6 weighted = (a->covariance[a_candidate] + b->covariance[d.candidate]).ldlt().solve(jacobian);
     normal += jacobian.transpose() * weighted;
-    right -= weighted.transpose() * motion_in_board(*b, d.labelling, expected);
+    right -= weighted.transpose() * motion_in_board(*b, d.candidate, expected);
   }
   const Vector6 step = normal.ldlt().solve(right);
   return step.allFinite() ? perturbed(b_from_a, step) : b_from_a;
@@ -133,7 +165,8 @@ Rigid3 improved_pose(const Pairs& pairs, const Rigid3& b_from_a, double limit) {
 }  // namespace
 
 std::vector<SharedBoard> shared_boards(const CalibrationProblem& problem,
-                                       const std::vector<std::optional<Rigid3>>& camera_from_target) {
+                                       const std::vector<std::optional<Rigid3>>& camera_from_target,
+                                       const std::vector<std::optional<Rigid3>>& mirrored) {
   std::map<std::pair<int, int>, SharedBoard> groups;
   for (std::size_t v = 0; v < problem.views.size(); ++v) {
     if (!camera_from_target[v]) continue;
@@ -141,7 +174,8 @@ std::vector<SharedBoard> shared_boards(const CalibrationProblem& problem,
     SharedBoard& group = groups[{view.frame, view.target}];
     group.frame = view.frame;
     group.target = view.target;
-    group.views.push_back(posed_view(problem, static_cast<int>(v), *camera_from_target[v]));
+    group.views.push_back(posed_view(problem, static_cast<int>(v), *camera_from_target[v],
+                                     mirrored.empty() ? std::nullopt : mirrored[v]));
   }
   std::vector<SharedBoard> boards;
   for (auto& [key, group] : groups) {
@@ -151,17 +185,17 @@ std::vector<SharedBoard> shared_boards(const CalibrationProblem& problem,
   return boards;
 }
 
-Disagreement disagreement(const PosedView& a, int a_labelling, const PosedView& b, const Rigid3& b_from_a) {
-  const Rigid3 expected = b_from_a * a.camera_from_target[a_labelling];
+Disagreement disagreement(const PosedView& a, int a_candidate, const PosedView& b, const Rigid3& b_from_a) {
+  const Rigid3 expected = b_from_a * a.camera_from_target[a_candidate];
   Disagreement best;
   best.size = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < b.camera_from_target.size(); ++k) {
     Disagreement d;
-    d.labelling = static_cast<int>(k);
-    const Vector6 motion = motion_in_board(b, d.labelling, expected);
+    d.candidate = static_cast<int>(k);
+    const Vector6 motion = motion_in_board(b, d.candidate, expected);
     d.angle_rad = motion.head<3>().norm();
     d.distance_m = motion.tail<3>().norm();
-    const Matrix6 covariance = a.covariance[a_labelling] + b.covariance[k];
+    const Matrix6 covariance = a.covariance[a_candidate] + b.covariance[k];
     d.size = std::sqrt(std::max(0.0, motion.dot(covariance.ldlt().solve(motion))) / 6.0);
     if (d.size < best.size) best = d;
   }
@@ -174,10 +208,9 @@ PairConsensus pair_consensus(const Pairs& pairs) {
   const std::size_t stride = (pairs.size() + kMaxHypotheses - 1) / kMaxHypotheses;
   for (std::size_t i = 0; i < pairs.size(); i += stride) {
     const auto& [a, b] = pairs[i];
-    for (std::size_t k = 0; k < b->camera_from_target.size(); ++k) {
-      const Rigid3 hypothesis = relative_pose(*a, *b, static_cast<int>(k));
+    for (const Rigid3& hypothesis : relative_poses(*a, *b)) {
       std::vector<double> errors = sizes(pairs, hypothesis);
-      const double spread = quantile(errors, kQuorum);
+      const double spread = quorum_size(errors);
       if (!(spread < best)) continue;
       best = spread;
       consensus.b_from_a = hypothesis;
@@ -185,7 +218,7 @@ PairConsensus pair_consensus(const Pairs& pairs) {
   }
   for (int round = 0; round <= kRounds; ++round) {
     std::vector<double> errors = sizes(pairs, consensus.b_from_a);
-    consensus.spread = quantile(errors, kQuorum);
+    consensus.spread = quorum_size(errors);
     if (round < kRounds) {
       consensus.b_from_a = improved_pose(pairs, consensus.b_from_a, 0.5 * agreement_limit(consensus.spread));
     }

@@ -10,13 +10,17 @@
 
 namespace raybundle {
 
-/// A view's board pose as the rig start sees it: all labellings, and how far it can be trusted.
+/// A view's board pose as the rig start sees it: all candidates, and how far they can be trusted.
 struct PosedView {
   int view = 0;
   int camera = 0;
-  std::vector<Rigid3> camera_from_target;  ///< as labelled, then relabelled by each of the target's symmetries
+  /// As labelled: the pose and, where there is one, its mirrored twin; then those relabelled by the target's
+  /// symmetries.
+  std::vector<Rigid3> camera_from_target;
+  std::vector<int> symmetry;  ///< of each candidate; -1: as labelled
+  int as_labelled = 1;        ///< how many of the candidates are
   Eigen::Vector3d centre_in_target = Eigen::Vector3d::Zero();
-  /// Of each labelling's pose for rays that are 1 rad uncertain: rotation, then translation, in the board's own frame
+  /// Of each candidate for rays that are 1 rad uncertain: rotation, then translation, in the board's own frame
   /// at its centre, so that views of one board compare without transport.
   std::vector<Eigen::Matrix<double, 6, 6>> covariance;
 
@@ -32,18 +36,19 @@ struct SharedBoard {
 
 /// Groups of the views that have poses, by frame and target.
 std::vector<SharedBoard> shared_boards(const CalibrationProblem& problem,
-                                       const std::vector<std::optional<Rigid3>>& camera_from_target);
+                                       const std::vector<std::optional<Rigid3>>& camera_from_target,
+                                       const std::vector<std::optional<Rigid3>>& mirrored);
 
 /// How two opinions about the place of a board differ.
 struct Disagreement {
   double angle_rad = 0.0;
   double distance_m = 0.0;  ///< of the board's centre
   double size = 0.0;        ///< [rad] noise of the rays that would explain it (Mahalanobis distance over sqrt 6)
-  int labelling = 0;        ///< of the second view, the one that agrees best
+  int candidate = 0;        ///< of the second view, the one that agrees best
 };
 
-/// Compares where view `a` (in labelling `a_labelling`) puts the board with where view `b` has it.
-Disagreement disagreement(const PosedView& a, int a_labelling, const PosedView& b, const Rigid3& b_from_a);
+/// Compares where view `a` (by its candidate `a_candidate`) puts the board with where view `b` has it.
+Disagreement disagreement(const PosedView& a, int a_candidate, const PosedView& b, const Rigid3& b_from_a);
 
 /// Share of the frames that must agree: hand-held boards in front of cameras that are not triggered together move in
 /// many of them. Sizes of honest frames lie close together (six numbers are averaged), so that a low quantile measures

@@ -182,10 +182,14 @@ PosedViews find_lens(const ProblemCamera& camera, const CameraViews& all) {
   for (const std::size_t v : spread_views(views, kSearchViews)) chosen.push_back(screened(views[v], kSearchCorners));
 
   std::optional<PosedViews> quick;
-  const auto first = search_lens_quickly(chosen, camera.size);
+  // A quick answer counts only where it can be tested: on views that it was not found with, which it fits plainly.
+  const auto first = views.size() > chosen.size() ? search_lens_quickly(chosen, camera.size) : std::nullopt;
   if (first && reason_against_lens(chosen, camera.size, *first).empty()) {
     quick = posed_views(camera.model, lens_in_model(camera.model, views, chosen, *first), all);
-    if (static_cast<double>(quick->posed()) >= kShareOfViews * static_cast<double>(views.size())) return *quick;
+    const bool fits_plainly = quick->threshold_px <= kFitPx;
+    if (fits_plainly && static_cast<double>(quick->posed()) >= kShareOfViews * static_cast<double>(views.size())) {
+      return *quick;
+    }
   }
   const LensGuess start = search_lens(chosen, camera.size);
   const std::string reason = reason_against_lens(chosen, camera.size, start);

@@ -19,6 +19,8 @@ constexpr double kAlikePx = 0.5;      ///< mean distance of the projections of t
 constexpr double kFarTimes = 3.0;     ///< the linear prediction exceeds what is seen by this factor between twins ...
 constexpr double kFarPx = 0.3;        ///< ... and this much
 
+constexpr double kLargestRatio = 4.0;  ///< of the squared distances of a mirrored pose that may be meant
+
 double sum_of_squares(const LensFunctions& lens, const LensVector& parameters, const PointsInView& view,
                       const Rigid3& pose) {
   std::vector<double> distances;
@@ -62,8 +64,9 @@ std::vector<Camera> twin_cameras(const Camera& camera, const std::vector<Eigen::
   return twins;
 }
 
-std::optional<Rigid3> better_mirrored_pose(const Camera& camera, std::span<const Eigen::Vector3d> points_in_target,
-                                           std::span<const Eigen::Vector2d> pixels, const Rigid3& camera_from_target) {
+std::optional<MirroredPose> find_mirrored_pose(const Camera& camera, std::span<const Eigen::Vector3d> points_in_target,
+                                               std::span<const Eigen::Vector2d> pixels,
+                                               const Rigid3& camera_from_target) {
   const PrincipalFrame frame = principal_frame(points_in_target);
   if (points_in_target.size() < 4 || frame.collinear() || !frame.planar()) return std::nullopt;
   const LensFunctions lens = lens_functions(camera.model);
@@ -78,11 +81,10 @@ std::optional<Rigid3> better_mirrored_pose(const Camera& camera, std::span<const
   std::vector<Rigid3> pose{mirrored_pose(camera_from_target, frame)};
   options.max_iterations = 4;  // most boards fit one of the two only, and are soon known to
   refine_lens(lens, {view}, options, parameters, pose);
-  if (!(sum_of_squares(lens, parameters, view, pose[0]) < 4.0 * squares)) return std::nullopt;
+  if (!(sum_of_squares(lens, parameters, view, pose[0]) < kLargestRatio * squares)) return std::nullopt;
   options.max_iterations = 20;
   refine_lens(lens, {view}, options, parameters, pose);
-  if (!(sum_of_squares(lens, parameters, view, pose[0]) < (1.0 - 1e-6) * squares)) return std::nullopt;
-  return pose[0];
+  return MirroredPose{pose[0], sum_of_squares(lens, parameters, view, pose[0]) / squares};
 }
 
 }  // namespace raybundle

@@ -72,31 +72,47 @@ std::vector<Rigid3> place_cameras(const CalibrationProblem& problem,
 /// How well the views of a board fit together when one of them is taken at its word.
 struct Opinion {
   std::size_t reference = 0;
+  int reference_pose = 0;              ///< of its candidates
   std::vector<Disagreement> of_views;  ///< aligned with the board's views
   int agreeing = 0;                    ///< the reference included
+
+  double size() const {
+    double sum = 0.0;
+    for (const Disagreement& of_view : of_views) sum += of_view.size;
+    return sum;
+  }
 };
 
-Opinion opinion_of(const SharedBoard& board, std::size_t reference, const std::vector<Rigid3>& camera_from_rig,
-                   double limit) {
+Opinion opinion_of(const SharedBoard& board, std::size_t reference, int reference_pose,
+                   const std::vector<Rigid3>& camera_from_rig, double limit) {
   Opinion opinion;
   opinion.reference = reference;
+  opinion.reference_pose = reference_pose;
   const PosedView& a = board.views[reference];
   for (const PosedView& b : board.views) {
     const Rigid3 b_from_a = camera_from_rig[b.camera] * camera_from_rig[a.camera].inverse();
-    opinion.of_views.push_back(&a == &b ? Disagreement{} : disagreement(a, 0, b, b_from_a));
+    opinion.of_views.push_back(&a == &b ? Disagreement{} : disagreement(a, reference_pose, b, b_from_a));
     opinion.agreeing += opinion.of_views.back().size <= limit;
   }
   return opinion;
 }
 
-/// The view that most of the others agree with; among equals the one that fixes the board best.
+/// A larger party wins; among equals the view that fixes the board best, then its own first choice if it is no worse.
+bool better(const SharedBoard& board, const Opinion& opinion, const Opinion& best) {
+  if (opinion.agreeing != best.agreeing) return opinion.agreeing > best.agreeing;
+  if (opinion.reference != best.reference) {
+    return board.views[opinion.reference].looseness() < board.views[best.reference].looseness();
+  }
+  return opinion.size() < best.size();
+}
+
+/// The view that most of the others agree with.
 Opinion best_opinion(const SharedBoard& board, const std::vector<Rigid3>& camera_from_rig, double limit) {
   std::optional<Opinion> best;
   for (std::size_t r = 0; r < board.views.size(); ++r) {
-    Opinion opinion = opinion_of(board, r, camera_from_rig, limit);
-    if (!best || opinion.agreeing > best->agreeing ||
-        (opinion.agreeing == best->agreeing && board.views[r].looseness() < board.views[best->reference].looseness())) {
-      best = std::move(opinion);
+    for (int pose = 0; pose < board.views[r].as_labelled; ++pose) {
+      Opinion opinion = opinion_of(board, r, pose, camera_from_rig, limit);
+      if (!best || better(board, opinion, *best)) best = std::move(opinion);
     }
   }
   return *best;
@@ -131,9 +147,9 @@ double common_spread(const std::vector<SharedBoard>& boards, const std::vector<R
 
 }  // namespace
 
-RigStart initialize_rig(const CalibrationProblem& problem,
-                        const std::vector<std::optional<Rigid3>>& camera_from_target) {
-  const std::vector<SharedBoard> boards = shared_boards(problem, camera_from_target);
+RigStart initialize_rig(const CalibrationProblem& problem, const std::vector<std::optional<Rigid3>>& camera_from_target,
+                        const std::vector<std::optional<Rigid3>>& mirrored) {
+  const std::vector<SharedBoard> boards = shared_boards(problem, camera_from_target, mirrored);
   RigStart start;
   start.camera_from_rig = place_cameras(problem, all_pairs(boards));
   start.pose_of_view.assign(problem.views.size(), -1);
@@ -141,15 +157,16 @@ RigStart initialize_rig(const CalibrationProblem& problem,
 
   const double spread = common_spread(boards, start.camera_from_rig);
   const double limit = agreement_limit(spread);
-  const auto add_pose = [&](const SharedBoard& board, const PosedView& view) {
+  const auto add_pose = [&](const SharedBoard& board, const PosedView& view, int candidate) {
+    const Rigid3& camera_from_target_of_view = view.camera_from_target[candidate];
     start.pose_of_view[view.view] = static_cast<int>(start.poses.size());
     start.poses.push_back(
-        {board.frame, board.target, start.camera_from_rig[view.camera].inverse() * view.camera_from_target[0]});
+        {board.frame, board.target, start.camera_from_rig[view.camera].inverse() * camera_from_target_of_view});
   };
   for (const SharedBoard& board : boards) {
     const Opinion opinion = best_opinion(board, start.camera_from_rig, limit);
     const PosedView& reference = board.views[opinion.reference];
-    add_pose(board, reference);
+    add_pose(board, reference, opinion.agreeing > 1 ? opinion.reference_pose : 0);
     const int shared = start.pose_of_view[reference.view];
     bool reference_named = opinion.agreeing > 1;  // with nobody on its side it is as doubtful as the others
     for (std::size_t i = 0; i < board.views.size(); ++i) {
@@ -158,10 +175,10 @@ RigStart initialize_rig(const CalibrationProblem& problem,
       const Disagreement& d = opinion.of_views[i];
       if (d.size <= limit) {
         start.pose_of_view[view.view] = shared;
-        start.symmetry_of_view[view.view] = d.labelling - 1;
+        start.symmetry_of_view[view.view] = view.symmetry[d.candidate];
         continue;
       }
-      add_pose(board, view);
+      add_pose(board, view, 0);
       const std::string reason = reason_of(problem, reference, view, d, spread);
       if (!reference_named) start.set_aside.push_back({reference.view, SetAside::Scope::kExtrinsics, reason});
       reference_named = true;

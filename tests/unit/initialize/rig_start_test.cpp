@@ -114,6 +114,24 @@ TEST(RigStart, ABoardThatMovedBetweenTheCamerasIsNamedAndKeepsItsOwnPoses) {
   expect_near_truth(world, start, 2e-3, 2e-3);
 }
 
+// Three frames only: what two of them say must win, though the third agrees with itself.
+TEST(RigStart, BoardsHeldMirroredByOneCameraAreHeldAsTheOtherSeesThem) {
+  const SyntheticWorld world = fan(2, 0.1, 3, 3);
+  for (const int camera : {0, 1}) {
+    Poses poses = noisy_poses(world, 0, 0, 1);
+    Poses mirrored(poses.size());
+    for (std::size_t v = 0; v < poses.size(); ++v) {
+      if (world.problem.views[v].frame != 0 || world.problem.views[v].camera != camera) continue;
+      mirrored[v] = poses[v];
+      poses[v]->rotation = Eigen::AngleAxisd(0.8, Eigen::Vector3d::UnitX()) * poses[v]->rotation;
+    }
+    const RigStart start = initialize_rig(world.problem, poses, mirrored);
+    EXPECT_TRUE(start.set_aside.empty());
+    expect_near_truth(world, start, 1e-9, 1e-9);
+    EXPECT_FALSE(initialize_rig(world.problem, poses).set_aside.empty());
+  }
+}
+
 TEST(RigStart, SymmetricBoardsAreRelabelledInCamerasThatTurnedThem) {
   SyntheticWorld world = fan(3, 0.3, 24, 7);
   Target& target = world.problem.targets[0];

@@ -19,13 +19,19 @@ namespace raybundle {
 /// @return                those whose parameters are farther away than the projections tell; mostly none
 std::vector<Camera> twin_cameras(const Camera& camera, const std::vector<Eigen::Vector3d>& rays_in_camera);
 
-/// The other pose from which a flat board looks nearly the same, refined on the pixels; small or far boards have one,
-/// and a solve that starts there stays there.
+/// The other pose from which a flat board looks nearly the same, refined on the pixels.
+struct MirroredPose {
+  Rigid3 camera_from_target;
+  double squares_ratio = 0.0;  ///< squared distances over those of the given pose; below 1 it fits better
+};
+
+/// Small or far boards have a mirrored pose, and a solve that starts there stays there.
 ///
 /// @param points_in_target  N [m]
 /// @param pixels            N, same order, without wrong ones
-/// @return                  nothing when it does not explain the pixels better than the given pose
-std::optional<Rigid3> better_mirrored_pose(const Camera& camera, std::span<const Eigen::Vector3d> points_in_target,
-                                           std::span<const Eigen::Vector2d> pixels, const Rigid3& camera_from_target);
+/// @return                  nothing when it plainly does not fit (squares_ratio above 4), or the board is not flat
+std::optional<MirroredPose> find_mirrored_pose(const Camera& camera, std::span<const Eigen::Vector3d> points_in_target,
+                                               std::span<const Eigen::Vector2d> pixels,
+                                               const Rigid3& camera_from_target);
 
 }  // namespace raybundle
