@@ -70,8 +70,10 @@ std::vector<std::string> glob_files(const std::string& pattern) {
 
 // JPEG and PNG say where they end; decoders fill what is missing with grey and go on.
 bool truncated(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::string bytes((std::istreambuf_iterator<char>(file)), {});
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  std::string bytes(file ? static_cast<std::size_t>(std::max<std::streamoff>(0, file.tellg())) : 0, '\0');
+  file.seekg(0);
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   const std::string tail = bytes.size() > 64 ? bytes.substr(bytes.size() - 64) : bytes;
   if (bytes.starts_with("\xff\xd8")) return bytes.rfind("\xff\xd9") == std::string::npos;
   if (bytes.starts_with("\x89PNG")) return tail.find("IEND") == std::string::npos;
@@ -167,6 +169,7 @@ std::vector<std::string> for_each_frame(
       progress.advance();
     }
   };
+  if (threads > 1) cv::setNumThreads(1);  // one image a thread: OpenCV's own threads would only be in the way
   std::vector<std::jthread> workers;
   for (int t = 1; t < threads; ++t) workers.emplace_back(work);
   work();

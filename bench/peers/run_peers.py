@@ -8,10 +8,12 @@ out of the larger ones, and the table says so. Results lie in build/peers/result
 
 import argparse
 import json
+import math
 import os
 import pathlib
 import re
 import resource
+import signal
 import subprocess
 import sys
 import tempfile
@@ -68,7 +70,7 @@ def peers(build):
 
 
 def run_once(command, limit_s):
-    """One solve: the figures that the peer wrote, or {"failed": why}."""
+    """One solve: the figures that the peer wrote, or {"failed": why}. The limit is of processor time."""
     with tempfile.TemporaryDirectory(dir=WORK) as folder:
         result = pathlib.Path(folder) / "result.json"
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -78,16 +80,19 @@ def run_once(command, limit_s):
                 [*command[0], str(result), *command[1]],
                 env={**os.environ, **ONE_THREAD},
                 capture_output=True,
-                timeout=limit_s,
+                timeout=10 * limit_s,
                 cwd=folder,
+                preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(limit_s), math.ceil(limit_s) + 1)),
             )
         except subprocess.TimeoutExpired:
-            return {"failed": f"> {limit_s:.0f} s", "process_wall_s": limit_s}
+            return {"failed": f"> {limit_s:.0f} s", "process_wall_s": 10 * limit_s, "process_cpu_s": limit_s}
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         process = {
             "process_wall_s": time.perf_counter() - begin,
             "process_cpu_s": after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime,
         }
+        if -done.returncode in (signal.SIGXCPU, signal.SIGKILL):
+            return {"failed": f"> {limit_s:.0f} s", **process}
         if done.returncode or not result.exists():
             lines = [line for line in done.stderr.decode(errors="replace").splitlines() if line.strip()]
             return {"failed": lines[-1][:200] if lines else f"exit code {done.returncode}", **process}
@@ -106,7 +111,7 @@ def predicted_s(results, problem, peer):
         return float("inf") if max(smaller) < int(frames) and peer_was_too_slow(results, family, peer) else None
     if str(runs[0].get("failed", "")).startswith(">"):
         return float("inf")
-    return min(run["process_wall_s"] for run in runs) * int(frames) / max(smaller)
+    return min(run["process_cpu_s"] for run in runs) * int(frames) / max(smaller)
 
 
 def peer_was_too_slow(results, family, peer):
@@ -138,7 +143,7 @@ def measure(name, folder, results, options):
                 continue
             run = run_once(([*command, str(folder)], arguments), options.limit_s)
             runs.append(run)
-            spent[peer] = spent.get(peer, 0) + run["process_wall_s"]
+            spent[peer] = spent.get(peer, 0) + run["process_cpu_s"]
             told = run.get("failed") or f"{1e3 * run['cpu_s']:.1f} ms cpu, {1e3 * run['wall_s']:.1f} ms wall"
             if repetition == 0:
                 print(f"  {peer:24s} {told}", flush=True)
