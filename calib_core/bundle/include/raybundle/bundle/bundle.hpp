@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "raybundle/scene/problem.hpp"
@@ -18,11 +19,22 @@ struct BundleState {
 
   std::vector<int> pose_of_view;                    ///< aligned with problem.views; -1: the view is not used
   std::vector<std::vector<ObservationFate>> fates;  ///< aligned with problem.views and their observations
+
+  /// By LaserGrid::index, in the rig frame; nothing for beams that no dot determines. Empty: the dots take no part.
+  std::vector<std::optional<Line3>> beams;
+  std::vector<std::vector<ObservationFate>> dot_fates;  ///< aligned with problem.views and their dots, when beams are
+};
+
+/// What is known of a beam besides its dots: a normal distribution of motion_between(line, beam).
+struct BeamPrior {
+  Line3 line;
+  Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
 };
 
 struct BundleOptions {
   bool estimate_shape = false;      ///< bend and twist of flat targets
   double robust_scale_sigma = 0.0;  ///< Cauchy loss beyond this many sigmas of a corner; 0: plain least squares
+  std::vector<std::optional<BeamPrior>> beam_priors;  ///< aligned with BundleState::beams, or empty
   int max_iterations = 100;
   int threads = 1;  ///< changes the time, never the bits
 };
@@ -39,12 +51,20 @@ struct BundleSummary {
 /// views; observations already marked kOutlier stay so.
 void mark_projectable(const CalibrationProblem& problem, BundleState& state);
 
-/// Minimises the whitened reprojection error over everything that problem.rules leaves free, in place. Only
-/// observations marked kUsed take part.
+/// Marks every dot whose beam the state holds kUsed when its prediction exists, kUnprojectable otherwise; kUnlabelled
+/// and kViewSetAside as their names say; dots already marked kOutlier stay so.
+void mark_dots(const CalibrationProblem& problem, BundleState& state);
+
+/// Minimises the whitened reprojection error of corners and dots over everything that problem.rules leaves free, the
+/// board poses and the beams, in place. Only observations and dots marked kUsed take part.
 BundleSummary solve_bundle(const CalibrationProblem& problem, BundleState& state, const BundleOptions& options = {});
 
 /// Measured minus projected [px] of all observations of one view, NaN where the model does not project.
 std::vector<Eigen::Vector2d> view_residuals(const CalibrationProblem& problem, const BundleState& state, int view);
+
+/// Measured minus predicted [px] of all dots of one view, NaN where there is no prediction: the dot's beam is unknown,
+/// misses the board's surface, or meets it where the camera model does not project.
+std::vector<Eigen::Vector2d> dot_residuals(const CalibrationProblem& problem, const BundleState& state, int view);
 
 /// camera_from_target of a used view: camera_from_rig * rig_from_target.
 Rigid3 camera_from_target(const CalibrationProblem& problem, const BundleState& state, int view);

@@ -6,17 +6,29 @@
 
 namespace raybundle {
 
-/// The Gauss-Newton normal equations of the bundle at a state after the board poses have been eliminated: the
-/// information about everything that a Calibration holds.
+/// The Gauss-Newton normal equations of the bundle at a state after the board poses and the beams have been eliminated:
+/// the information about the cameras and the shapes of the boards.
 struct ReducedInformation {
   std::vector<std::string> names;  ///< of the free parameters, as in Covariance
   Eigen::MatrixXd information;     ///< names × names, of the whitened residuals and priors
   double chi2 = 0.0;               ///< sum of squared whitened residuals
   int residuals = 0;               ///< scalar residuals, priors included
-  int parameters = 0;              ///< free parameters, poses included
+  int parameters = 0;              ///< free parameters, poses and beams included
 };
 
 ReducedInformation reduced_information(const CalibrationProblem& problem, const BundleState& state,
                                        const BundleOptions& options = {});
+
+/// How well a beam is known, for residuals whitened by their stated sigmas.
+struct BeamCovariance {
+  Eigen::Matrix4d of_beam;          ///< of the motion of perturbed(beam, .)
+  Eigen::MatrixXd with_parameters;  ///< 4 × names of ReducedInformation: with the cameras' parameters
+};
+
+/// Marginal covariances of the state's beams, everything else being estimated with them.
+///
+/// @return  aligned with BundleState::beams; nothing where a beam has no information of its own
+std::vector<std::optional<BeamCovariance>> beam_covariances(const CalibrationProblem& problem, const BundleState& state,
+                                                            const BundleOptions& options = {});
 
 }  // namespace raybundle

@@ -25,6 +25,7 @@ enum class ObservationFate : unsigned char {
   kOutlier,        ///< left out by the outlier rule
   kUnprojectable,  ///< the model does not project it
   kViewSetAside,   ///< its view was not used
+  kUnlabelled,     ///< a dot of which it is not known which beam made it
 };
 
 /// What became of one view; vectors are aligned with TargetView::observations.
