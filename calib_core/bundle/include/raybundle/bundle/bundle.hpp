@@ -21,8 +21,9 @@ struct BundleState {
   std::vector<std::vector<ObservationFate>> fates;  ///< aligned with problem.views and their observations
 
   /// By LaserGrid::index, in the rig frame; nothing for beams that no dot determines. Empty: the dots take no part.
-  std::vector<std::optional<Line3>> beams;
-  std::vector<std::vector<ObservationFate>> dot_fates;  ///< aligned with problem.views and their dots, when beams are
+  std::vector<std::optional<Line3>> beams = {};
+  std::vector<std::vector<ObservationFate>> dot_fates =
+      {};  ///< aligned with problem.views and their dots, when beams are
 };
 
 /// What is known of a beam besides its dots: a normal distribution of motion_between(line, beam).
@@ -34,7 +35,7 @@ struct BeamPrior {
 struct BundleOptions {
   bool estimate_shape = false;      ///< bend and twist of flat targets
   double robust_scale_sigma = 0.0;  ///< Cauchy loss beyond this many sigmas of a corner; 0: plain least squares
-  std::vector<std::optional<BeamPrior>> beam_priors;  ///< aligned with BundleState::beams, or empty
+  std::vector<std::optional<BeamPrior>> beam_priors = {};  ///< aligned with BundleState::beams, or empty
   int max_iterations = 100;
   int threads = 1;  ///< changes the time, never the bits
 };
