@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: The Raybundle authors
 // SPDX-License-Identifier: Apache-2.0
-#include <ceres/version.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -89,7 +88,6 @@ void run() {
   const bool cached = std::filesystem::exists(cache_folder(), ignored);
   const std::vector<std::pair<std::string, std::string>> rows{
       {"raybundle", RAYBUNDLE_VERSION},
-      {"Ceres Solver", CERES_VERSION_STRING},
       {"OpenCV", CV_VERSION},
       {"Eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
       {"camera models", models},

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The Raybundle authors
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <glog/logging.h>
 #include <opencv2/core.hpp>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
@@ -103,8 +102,7 @@ int said_exit_code(const CLI::App& app) try { throw; } catch (const CLI::ParseEr
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a file that grows too large is then an error of writing, which we can say
   std::set_terminate(end_at_once);
-  cv::setNumThreads(1);                    // images are worked on side by side by our own threads
-  FLAGS_minloglevel = google::GLOG_FATAL;  // Ceres logs each step that it rejects; we report the outcome
+  cv::setNumThreads(1);  // images are worked on side by side by our own threads
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // we say ourselves what cannot be read
 
   CLI::App app{"Raybundle calibrates wide-angle and fisheye cameras, alone, as a stereo head or as a rig."};

@@ -31,7 +31,7 @@ LEAVES = ["apps", "python", "tests", "bench"]
 
 # library -> (how its headers begin, modules that may use it, whether their public headers may).
 LIBRARIES = {
-    "Ceres": (r"ceres/", ["bundle"], False),
+    "Ceres": (r"ceres/", [], False),
     "OpenCV": (r"opencv2/", ["targets"], True),
     "AprilTag": (r"apriltag/", ["targets"], False),
     "cairo": (r"cairo", ["targets"], False),

@@ -22,8 +22,8 @@ struct BundleState {
 
   /// By LaserGrid::index, in the rig frame; nothing for beams that no dot determines. Empty: the dots take no part.
   std::vector<std::optional<Line3>> beams = {};
-  std::vector<std::vector<ObservationFate>> dot_fates =
-      {};  ///< aligned with problem.views and their dots, when beams are
+  /// Aligned with problem.views and their dots, when there are beams.
+  std::vector<std::vector<ObservationFate>> dot_fates = {};
 };
 
 /// What is known of a beam besides its dots: a normal distribution of motion_between(line, beam).
