@@ -163,11 +163,19 @@ the data can carry it, `raybundle, flat board` does not; OpenCV and pycolmap tak
 """
 
 
-def page(results, proof, full):
+# What other programs of bench/ printed in the same run.
+OTHER_PROOFS = (
+    ("True error against the bound, over many draws of the noise", "true_error.txt"),
+    ("Start values against one plain solve from them", "start.txt"),
+    ("The bundle alone: a hand-written limit, growth, threads, what else it may have to do", "bundle.txt"),
+    ("A laser of 304 beams beside a camera", "laser.txt"),
+)
+
+
+def page(results):
+    full = any(by_peer["truth"].get("full") for by_peer in results.values())
     parts = [LICENCE + INTRODUCTION.format(full=" --full" if full else "", machine=machine())]
     parts.append("## Bars\n\n" + "\n".join(f"- {line}" for line in bars.judge(results)) + "\n")
-    if proof:
-        parts.append("## True error against the bound, over many draws of the noise\n\n`./dev prove true_error`\n\n```\n" + proof + "```\n")
     for family in dict.fromkeys(name.split(" ")[0] for name in results):
         names = [name for name in results if name.split(" ")[0] == family]
         parts.append(f"## {family}\n\nProcessor time\n\n" + table(results, names, time_cell))
@@ -176,6 +184,9 @@ def page(results, proof, full):
             parts.append("Worst place / rotation of a camera against the first\n\n" + table(results, names, extrinsics_cell))
         parts.append("Memory [MB]\n\n" + table(results, names, memory_cell))
     parts.append("## What each was asked for\n\n" + asked(results))
+    for heading, name in OTHER_PROOFS:
+        if (WORK / name).exists():
+            parts.append(f"## {heading}\n\n```\n{(WORK / name).read_text()}```\n")
     detection = WORK / "detection.md"
     if detection.exists():
         parts.append(detection.read_text())
@@ -185,13 +196,10 @@ def page(results, proof, full):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--docs", type=pathlib.Path, default=ROOT / "docs")
-    parser.add_argument("--full", action="store_true")
     options = parser.parse_args()
     results = json.loads((WORK / "results.json").read_text())
-    proof = WORK / "true_error.txt"
     plot(results, options.docs / "benchmarks.svg")
-    text = page(results, proof.read_text() if proof.exists() else "", options.full)
-    (options.docs / "benchmarks.md").write_text(text)
+    (options.docs / "benchmarks.md").write_text(page(results))
     for line in bars.judge(results):
         print(line)
     print(f"the whole: {options.docs / 'benchmarks.md'}")

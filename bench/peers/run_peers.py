@@ -50,22 +50,26 @@ def problems(full):
 
 
 def peers(build):
-    """name -> (command before FOLDER RESULT, arguments after, words of the families it can do, most frames)."""
+    """name -> (command before FOLDER RESULT, arguments after, which problems it can do).
+
+    And the most frames that it is given without --full, where it alone would take longer than all others together.
+    """
     ours, script = str(build / "solve_raybundle"), lambda name: str(HERE / name)
-    every = "."
+    every, plain = ".", r"^(kb130|kb150|rational70) \d+$"
+    most = 10**6
     return {
-        "raybundle": ([ours], [], every, 10**6),
-        "raybundle, flat board": ([ours], ["--estimate-shape", "false"], every, 10**6),
-        "raybundle program": ([sys.executable, script("peer_program.py"), str(build / "raybundle")], [], every, 10**6),
-        "opencv 4.6": ([DEBIAN, script("peer_opencv.py")], [], "^(?!rig)", 10**6),
-        "opencv 4.6, focal given": ([DEBIAN, script("peer_opencv.py")], ["focal"], "^(stereo_)?kb", 10**6),
-        "opencv 5": ([PYPI, script("peer_opencv.py")], [], every, 10**6),
-        "mrcal opencv8": ([DEBIAN, script("peer_mrcal.py")], ["opencv8"], every, 10**6),
-        "mrcal splined": ([DEBIAN, script("peer_mrcal.py")], ["splined"], "^kb", 200),
-        "mrcal program": ([sys.executable, script("peer_mrcal_program.py")], [], "^rational70", 50),
-        "pycolmap": ([PYPI, script("peer_pycolmap.py")], [], every, 10**6),
-        "lensboy": ([PYPI, script("peer_lensboy.py")], [], "^(kb|rational)", 10**6),
-        "multical": ([str(WORK / "multical" / "bin" / "python"), script("peer_multical.py")], [], "^rational70", 200),
+        "raybundle": ([ours], [], every, most),
+        "raybundle, flat board": ([ours], ["--estimate-shape", "false"], every, most),
+        "raybundle program": ([sys.executable, script("peer_program.py"), str(build / "raybundle")], [], every, most),
+        "opencv 4.6": ([DEBIAN, script("peer_opencv.py")], [], "^(?!rig)", 200),
+        "opencv 4.6, focal given": ([DEBIAN, script("peer_opencv.py")], ["focal"], r"^(stereo_)?kb\d+ \d+$", 50),
+        "opencv 5": ([PYPI, script("peer_opencv.py")], [], every, 200),
+        "mrcal opencv8": ([DEBIAN, script("peer_mrcal.py")], ["opencv8"], every, 200),
+        "mrcal splined": ([DEBIAN, script("peer_mrcal.py")], ["splined"], r"^kb\d+ \d+$", 50),
+        "mrcal program": ([sys.executable, script("peer_mrcal_program.py")], [], r"^rational70 \d+$", 50),
+        "pycolmap": ([PYPI, script("peer_pycolmap.py")], [], every, 200),
+        "lensboy": ([PYPI, script("peer_lensboy.py")], [], plain + r"|^(kb130|rational70) \d+ bent\+outliers", 200),
+        "multical": ([str(WORK / "multical" / "bin" / "python"), script("peer_multical.py")], [], "^rational70", 50),
     }
 
 
@@ -125,12 +129,12 @@ def peer_was_too_slow(results, family, peer):
 
 def measure(name, folder, results, options):
     """All peers in turn, again and again: what disturbs the machine then disturbs all of them."""
-    family, frames = name.split(" ")[0], int(name.split(" ")[1])
+    frames = int(name.split(" ")[1])
     spent = {}
     by_peer = results[name] = {}
     for repetition in range(options.repetitions):
-        for peer, (command, arguments, families, most) in peers(options.build).items():
-            if not re.search(options.peers, peer) or not re.search(families, family):
+        for peer, (command, arguments, able, most) in peers(options.build).items():
+            if not re.search(options.peers, peer) or not re.search(able, name):
                 continue
             if frames > most and not options.full:
                 continue
@@ -161,9 +165,9 @@ def problem_folder(name, flags, build):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--full", action="store_true", help="every size with outliers and a bent board; slow peers up to 120 s")
-    parser.add_argument("--repetitions", type=int, default=5)
+    parser.add_argument("--repetitions", type=int, default=3)
     parser.add_argument("--limit-s", type=float, help="of one solve; default 20, with --full 120")
-    parser.add_argument("--budget-s", type=float, default=8, help="of all repetitions of one peer on one problem")
+    parser.add_argument("--budget-s", type=float, default=6, help="of all repetitions of one peer on one problem")
     parser.add_argument("--problems", default=".", help="regular expression of the problems' names")
     parser.add_argument("--peers", default=".", help="regular expression of the peers' names")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "release")
@@ -178,7 +182,7 @@ def main():
         measure(name, folder, results, options)
         known = json.loads((folder / "problem.json").read_text())
         results[name]["truth"] = {k: v for k, v in known.items() if k != "frames"}
-        results[name]["truth"]["limit_s"] = options.limit_s
+        results[name]["truth"] |= {"limit_s": options.limit_s, "full": options.full}
         (WORK / "results.json").write_text(json.dumps(results, indent=1) + "\n")
 
 
