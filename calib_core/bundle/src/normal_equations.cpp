@@ -18,9 +18,6 @@ using Matrix6X = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
 constexpr int kMostChunks = 64;  // of poses that are summed up apart: enough for the threads, few enough for the memory
 
-// Diagonal to be added; nothing may stay without any, not even what no observation depends on.
-double damping(double diagonal, double radius) { return std::max(diagonal, 1e-6) / radius; }
-
 // A view's normal equations with the motion of rig_from_target in place of that in camera axes and, behind all other
 // columns, the motion of camera_from_rig; both triangles.
 Eigen::MatrixXd expanded(const Eigen::MatrixXd& products, const MotionMap& map, Eigen::Index intrinsics) {
@@ -55,6 +52,14 @@ PriorMean values_of(const Unknowns& unknowns, const ParameterBlock& block) {
 
 }  // namespace
 
+void add_products(const Eigen::MatrixXd& products, const std::vector<int>& columns, Eigen::MatrixXd& local) {
+  for (std::size_t b = 0; b < columns.size(); ++b) {
+    for (std::size_t a = 0; a <= b && columns[b] >= 0; ++a) {
+      if (columns[a] >= 0) local(std::min(columns[a], columns[b]), std::max(columns[a], columns[b])) += products(a, b);
+    }
+  }
+}
+
 // How a pose follows the parameters: its motion is -shift - follow * (step of its columns).
 struct NormalEquations::EliminatedPose {
   Matrix6X follow;
@@ -87,8 +92,11 @@ struct NormalEquations::Reduced {
 NormalEquations::NormalEquations(const CalibrationProblem& problem, const BundleState& state,
                                  const BundleOptions& options)
     : layout_(estimated_blocks(problem, state, options)),
+      robust_scale_sigma_(options.robust_scale_sigma),
       views_(used_views(problem, state)),
-      refusals_(views_.size(), 0),
+      dots_(used_dots(problem, state)),
+      beam_priors_(options.beam_priors),
+      refusals_(problem.views.size(), 0),
       workers_(options.threads) {
   for (const ParameterBlock& block : layout_.blocks) prior_means_.push_back(prior_mean(problem, state, block));
   for (const ViewData& view : views_) {
@@ -96,46 +104,59 @@ NormalEquations::NormalEquations(const CalibrationProblem& problem, const Bundle
         {.with_shape = layout_.estimates_shape(view.target), .robust_scale_sigma = options.robust_scale_sigma});
   }
   group_by_pose(state.poses.size());
+  number_beams(state, options);
+}
+
+// Columns of the layout for each column of expanded(), -1 for those that it does not have.
+std::vector<int> NormalEquations::columns_of(int camera, int target) const {
+  std::vector<int> columns = layout_.columns_of(Kind::kIntrinsics, camera);
+  const auto append = [&](const std::vector<int>& more) { columns.insert(columns.end(), more.begin(), more.end()); };
+  append(std::vector<int>(6, -1));
+  if (layout_.estimates_shape(target)) append(layout_.columns_of(Kind::kShape, target));
+  append({-1});
+  if (camera != 0) append(layout_.columns_of(Kind::kCameraFromRig, camera));
+  return columns;
+}
+
+// The same in the local equations of a pose.
+std::vector<int> NormalEquations::local_columns(const PoseViews& group, int camera, int target) const {
+  std::vector<int> local = columns_of(camera, target);
+  for (int& column : local) {
+    if (column >= 0)
+      column = 6 + static_cast<int>(std::ranges::lower_bound(group.columns, column) - group.columns.begin());
+  }
+  const auto motion = layout_.columns_of(Kind::kIntrinsics, camera).size();
+  for (int k = 0; k < 6; ++k) local[motion + k] = k;
+  local[motion + 6 + (layout_.estimates_shape(target) ? 3 : 0)] = 6 + static_cast<int>(group.columns.size());
+  return local;
 }
 
 void NormalEquations::group_by_pose(std::size_t poses) {
-  std::vector<std::vector<int>> columns_of_view(views_.size());  // of expanded()
   std::vector<int> group_of_pose(poses, -1);
-  for (int v = 0; v < static_cast<int>(views_.size()); ++v) {
-    const ViewData& view = views_[v];
-    std::vector<int>& columns = columns_of_view[v];
-    const auto append = [&](const std::vector<int>& more) { columns.insert(columns.end(), more.begin(), more.end()); };
-    append(layout_.columns_of(Kind::kIntrinsics, view.camera));
-    append(std::vector<int>(6, -1));
-    if (view_options_[v].with_shape) append(layout_.columns_of(Kind::kShape, view.target));
-    append({-1});
-    if (view.camera != 0) append(layout_.columns_of(Kind::kCameraFromRig, view.camera));
-    int& group = group_of_pose[view.pose];
+  const auto group_with = [&](int pose, int camera, int target) -> PoseViews& {
+    int& group = group_of_pose[pose];
     if (group < 0) {
       group = static_cast<int>(poses_.size());
-      poses_.push_back({.pose = view.pose, .views = {}, .columns = {}});
+      poses_.push_back({.pose = pose, .views = {}, .dots = {}, .columns = {}});
     }
-    poses_[group].views.push_back(v);
+    std::ranges::copy_if(columns_of(camera, target), std::back_inserter(poses_[group].columns),
+                         [](int column) { return column >= 0; });
+    return poses_[group];
+  };
+  for (int v = 0; v < static_cast<int>(views_.size()); ++v) {
+    group_with(views_[v].pose, views_[v].camera, views_[v].target).views.push_back(v);
+  }
+  for (int v = 0; v < static_cast<int>(dots_.size()); ++v) {
+    group_with(dots_[v].pose, dots_[v].camera, dots_[v].target).dots.push_back(v);
   }
   local_columns_.resize(views_.size());
+  dot_columns_.resize(dots_.size());
   for (PoseViews& group : poses_) {
-    for (int v : group.views) {
-      std::ranges::copy_if(columns_of_view[v], std::back_inserter(group.columns),
-                           [](int column) { return column >= 0; });
-    }
     std::ranges::sort(group.columns);
     group.columns.erase(std::ranges::unique(group.columns).begin(), group.columns.end());
     group.columns.shrink_to_fit();
-    for (int v : group.views) {
-      std::vector<int>& local = local_columns_[v] = columns_of_view[v];
-      for (int& column : local) {
-        if (column >= 0)
-          column = 6 + static_cast<int>(std::ranges::lower_bound(group.columns, column) - group.columns.begin());
-      }
-      const auto motion = with_model(views_[v].model, []<CameraModel M>() { return kParameterCount<M>; });
-      for (int k = 0; k < 6; ++k) local[motion + k] = k;
-      local[motion + 6 + (view_options_[v].with_shape ? 3 : 0)] = 6 + static_cast<int>(group.columns.size());
-    }
+    for (int v : group.views) local_columns_[v] = local_columns(group, views_[v].camera, views_[v].target);
+    for (int v : group.dots) dot_columns_[v] = local_columns(group, dots_[v].camera, dots_[v].target);
   }
 }
 
@@ -144,7 +165,7 @@ bool NormalEquations::linearize(const Unknowns& unknowns, Linearization& result)
   std::atomic<bool> projectable = true;
   workers_.for_each(static_cast<int>(views_.size()), [&](int v) {
     if (accumulate_view(views_[v], unknowns.at(views_[v]), view_options_[v], result.views[v])) return;
-    ++refusals_[v];
+    ++refusals_[views_[v].view];
     projectable = false;
   });
   double chi2 = 0.0;
@@ -155,8 +176,10 @@ bool NormalEquations::linearize(const Unknowns& unknowns, Linearization& result)
     result.priors.push_back(prior_residual(block, prior_means_[b], values_of(unknowns, block)));
     chi2 += result.priors.back().residual.squaredNorm();
   }
+  bool dots_projectable = projectable;
+  if (!beams_.empty()) chi2 += assemble(unknowns, result, dots_projectable);
   result.cost = 0.5 * chi2;
-  return projectable;
+  return projectable && dots_projectable;
 }
 
 Eigen::MatrixXd NormalEquations::local_equations(const PoseViews& group, const Unknowns& unknowns,
@@ -165,19 +188,12 @@ Eigen::MatrixXd NormalEquations::local_equations(const PoseViews& group, const U
   Eigen::MatrixXd local = Eigen::MatrixXd::Zero(size, size);
   for (int v : group.views) {
     const std::vector<int>& columns = local_columns_[v];
-    const auto scatter = [&](const Eigen::MatrixXd& products) {
-      for (std::size_t b = 0; b < columns.size(); ++b) {
-        for (std::size_t a = 0; a <= b && columns[b] >= 0; ++a) {
-          if (columns[a] >= 0)
-            local(std::min(columns[a], columns[b]), std::max(columns[a], columns[b])) += products(a, b);
-        }
-      }
-    };
     const Eigen::MatrixXd& products = at.views[v].products;
     if (views_[v].camera == 0) {
-      scatter(products);  // its frame is the rig's
+      add_products(products, columns, local);  // its frame is the rig's
     } else {
-      scatter(expanded(products, MotionMap(unknowns.at(views_[v])), unknowns.intrinsics[views_[v].camera].size()));
+      add_products(expanded(products, MotionMap(unknowns.at(views_[v])), unknowns.intrinsics[views_[v].camera].size()),
+                   columns, local);
     }
   }
   return local;
@@ -218,6 +234,7 @@ void NormalEquations::add_priors(const Linearization& at, Reduced& reduced) cons
 }
 
 std::optional<Step> NormalEquations::step(const Unknowns& unknowns, const Linearization& at, double radius) {
+  if (!beams_.empty()) return step_with_beams(unknowns, at, radius);
   const int poses = static_cast<int>(poses_.size());
   const int per_chunk = (poses + kMostChunks - 1) / kMostChunks;
   const int chunks = (poses + per_chunk - 1) / per_chunk;
@@ -270,6 +287,10 @@ Unknowns NormalEquations::moved(const Unknowns& unknowns, const Step& step) cons
   for (const PoseViews& group : poses_) {
     Rigid3& pose = result.rig_from_target[group.pose];
     pose = perturbed(pose, step.motions[group.pose]);
+  }
+  for (std::size_t b = 0; b < beams_.size(); ++b) {
+    Line3& beam = result.beams[beams_[b]];
+    beam = perturbed(beam, step.beams.col(static_cast<Eigen::Index>(b)));
   }
   return result;
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <string_view>
 
+#include "dot_rows.hpp"
 #include "raybundle/geometry/error.hpp"
 
 namespace raybundle {
@@ -101,7 +102,14 @@ std::vector<ParameterBlock> free_blocks(const CalibrationProblem& problem) {
   return blocks;
 }
 
-// Whether a used observation depends on each camera and each target.
+bool has_dot(const CalibrationProblem& problem, const BundleState& state, int view) {
+  for (int i = 0; i < static_cast<int>(problem.views[view].dots.size()); ++i) {
+    if (in_use(problem, state, view, i)) return true;
+  }
+  return false;
+}
+
+// Whether a used corner or dot depends on each camera and each target.
 struct Seen {
   std::vector<bool> cameras, targets;
 
@@ -109,7 +117,8 @@ struct Seen {
       : cameras(problem.cameras.size(), false), targets(problem.targets.size(), false) {
     for (std::size_t v = 0; v < problem.views.size(); ++v) {
       if (state.pose_of_view[v] < 0) continue;
-      if (std::ranges::find(state.fates[v], ObservationFate::kUsed) == state.fates[v].end()) continue;
+      const bool has_corner = std::ranges::find(state.fates[v], ObservationFate::kUsed) != state.fates[v].end();
+      if (!has_corner && !has_dot(problem, state, static_cast<int>(v))) continue;
       cameras[problem.views[v].camera] = true;
       targets[problem.views[v].target] = true;
     }

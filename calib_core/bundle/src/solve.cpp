@@ -44,12 +44,14 @@ double squared_size(const Unknowns& unknowns) {
   for (const Eigen::VectorXd& intrinsics : unknowns.intrinsics) sum += intrinsics.squaredNorm();
   for (const Rigid3& pose : unknowns.camera_from_rig) sum += 1.0 + pose.translation.squaredNorm();
   for (const Rigid3& pose : unknowns.rig_from_target) sum += 1.0 + pose.translation.squaredNorm();
+  for (const Line3& beam : unknowns.beams) sum += 1.0 + beam.point.squaredNorm();
   return sum;
 }
 
 bool negligible(const Step& step, const Unknowns& unknowns) {
   double sum = step.parameters.squaredNorm();
   for (const Eigen::Matrix<double, 6, 1>& motion : step.motions) sum += motion.squaredNorm();
+  sum += step.beams.squaredNorm();
   return sum <= kStepTolerance * kStepTolerance * squared_size(unknowns);
 }
 
@@ -58,7 +60,7 @@ BundleSummary minimize(NormalEquations& equations, Unknowns& unknowns, int max_i
   BundleSummary summary;
   Linearization here;
   if (!equations.linearize(unknowns, here) || !std::isfinite(here.cost)) {
-    summary.message = "the start has corners that its camera models do not project";
+    summary.message = "the start has corners or dots that its camera models do not project";
     return summary;
   }
   const auto finish = [&](Termination termination, const char* message) {
@@ -104,9 +106,9 @@ BundleSummary minimize(NormalEquations& equations, Unknowns& unknowns, int max_i
 std::string refusals_of(const CalibrationProblem& problem, const NormalEquations& equations) {
   const auto most = std::ranges::max_element(equations.refusals());
   if (most == equations.refusals().end() || *most == 0) return {};
-  const ViewData& view = equations.views()[most - equations.refusals().begin()];
-  return "; " + std::to_string(*most) + " steps were refused because they would have moved corners of " +
-         view_name(problem, problem.views[view.view]) + " to where its camera model does not project";
+  const TargetView& view = problem.views[most - equations.refusals().begin()];
+  return "; " + std::to_string(*most) + " steps were refused because they would have moved corners or dots of " +
+         view_name(problem, view) + " to where its camera model does not project";
 }
 
 }  // namespace
@@ -114,13 +116,16 @@ std::string refusals_of(const CalibrationProblem& problem, const NormalEquations
 BundleSummary solve_bundle(const CalibrationProblem& problem, BundleState& state, const BundleOptions& options) {
   apply_fixed_values(problem, parameter_blocks(problem), state);
   NormalEquations equations(problem, state, options);
-  if (equations.views().empty()) {
+  if (equations.empty()) {
     return {.termination = Termination::kFailed, .message = "no observation is in use"};
   }
   Unknowns unknowns(state);
+  centre_beams(equations.dots(), unknowns);
   BundleSummary summary = minimize(equations, unknowns, options.max_iterations);
   summary.message += refusals_of(problem, equations);
-  if (summary.termination != Termination::kFailed) unknowns.store(state);
+  if (summary.termination == Termination::kFailed) return summary;
+  centre_beams(equations.dots(), unknowns);
+  unknowns.store(state);
   return summary;
 }
 
