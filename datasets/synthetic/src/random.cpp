@@ -8,14 +8,6 @@
 namespace raybundle {
 namespace {
 
-// Source: Steele, Lea, Flood 2014, SplitMix64; it spreads seeds that differ in one bit.
-std::uint64_t mixed(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15u;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
-}
-
 // Horner's rule, highest power first.
 template <std::size_t size>
 double polynomial(const double (&c)[size], double x) {
@@ -26,13 +18,21 @@ double polynomial(const double (&c)[size], double x) {
 
 }  // namespace
 
-Random::Random(std::uint64_t seed, std::uint64_t stream) : engine_(mixed(seed) ^ mixed(mixed(stream) + 1)) {}
+std::uint64_t mixed_bits(std::uint64_t word) {
+  word += 0x9e3779b97f4a7c15u;
+  word = (word ^ (word >> 30)) * 0xbf58476d1ce4e5b9u;
+  word = (word ^ (word >> 27)) * 0x94d049bb133111ebu;
+  return word ^ (word >> 31);
+}
+
+Random::Random(std::uint64_t seed, std::uint64_t stream)
+    : engine_(mixed_bits(seed) ^ mixed_bits(mixed_bits(stream) + 1)) {}
 
 double Random::uniform() { return (static_cast<double>(engine_() >> 11) + 0.5) * 0x1p-53; }
 
 int Random::below(int count) { return std::min(count - 1, static_cast<int>(uniform() * count)); }
 
-double Random::normal() {
+double normal_quantile(double p) {
   static constexpr double a[] = {2.5090809287301226727e3, 3.3430575583588128105e4, 6.7265770927008700853e4,
                                  4.5921953931549871457e4, 1.3731693765509461125e4, 1.9715909503065514427e3,
                                  1.3314166789178437745e2, 3.3871328727963666080e0};
@@ -51,7 +51,6 @@ double Random::normal() {
   static constexpr double f[] = {
       2.04426310338993978564e-15, 1.42151175831644588870e-7, 1.84631831751005468180e-5, 7.86869131145613259100e-4,
       1.48753612908506148525e-2,  1.36929880922735805310e-1, 5.99832206555887937690e-1, 1.0};
-  const double p = uniform();
   const double q = p - 0.5;
   if (std::abs(q) <= 0.425) {
     const double r = 0.180625 - q * q;

@@ -175,6 +175,7 @@ SimulatedLight light_from(TomlReader& reader) {
   light.sun_direction = vector3(reader, "sun_direction", light.sun_direction);
   if (!(light.sun_direction.norm() > 0)) reader.fail(nullptr, "[light].sun_direction has no length");
   light.background_albedo = reader.share("background_albedo", light.background_albedo);
+  light.background_m = reader.positive("background_m", light.background_m);
   reader.refuse_unknown_keys();
   return light;
 }

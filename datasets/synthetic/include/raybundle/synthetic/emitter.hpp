@@ -41,7 +41,7 @@ struct Emitter {
   std::vector<std::pair<int, int>> missing;  ///< row, column of beams that the grating does not make
   std::optional<SpreadingLens> lens;
   Rigid3 rig_from_emitter;                ///< origin on the grating, z along the laser
-  double beam_power_W = 20e-6;            ///< of each beam but order zero
+  double beam_power_W = 60e-6;            ///< of each beam but order zero
   double spot_radius_m = 2e-3;            ///< 1/e² radius of a beam at its waist
   double waist_distance_m = 0.6;          ///< from the emitter
   double divergence_rad = 1.5e-3;         ///< half-angle far from the waist

@@ -8,6 +8,14 @@
 
 namespace raybundle {
 
+/// Bits that look independent for words that differ in one bit. Source: Steele, Lea, Flood 2014, SplitMix64.
+std::uint64_t mixed_bits(std::uint64_t word);
+
+/// The standard normal's quantile. Source: Wichura 1988, algorithm AS 241 (PPND16), relative error 1e-16.
+///
+/// @param p  in (0, 1)
+double normal_quantile(double p);
+
 /// Random numbers whose bits depend on the seed only: the distributions of the standard library differ between
 /// libraries, the engine does not.
 class Random {
@@ -20,8 +28,7 @@ class Random {
   int below(int count);  ///< 0 .. count - 1
   bool chance(double probability) { return uniform() < probability; }
 
-  /// Standard normal. Source: Wichura 1988, algorithm AS 241 (PPND16), relative error 1e-16.
-  double normal();
+  double normal() { return normal_quantile(uniform()); }  ///< standard normal
 
  private:
   std::mt19937_64 engine_;

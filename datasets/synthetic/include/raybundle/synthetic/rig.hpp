@@ -25,7 +25,7 @@ struct SimulatedSensor {
   double full_well_e = 10000;  ///< electrons of the largest grey value
   double read_noise_e = 8;     ///< standard deviation
   double black_level = 0.03;   ///< grey value without light, as a share of the range
-  double exposure = 1.0;       ///< time, over that at which white_W_m2 on white paper fills the range
+  double exposure = 1.0;       ///< time, over that at which white_W_m2 on a white surface fills the range
   double white_W_m2 = 8.0;     ///< see exposure
   double lens_blur_px = 0.5;   ///< standard deviation of the lens's spot, each axis
   double vignetting = 3.0;     ///< light falls off with cos(angle / 2) to this power
@@ -67,10 +67,11 @@ struct SimulatedBoard {
 
 /// Light that does not come from the emitter, within the band that the cameras see.
 struct SimulatedLight {
-  double ambient_W_m2 = 3.0;                                          ///< from everywhere
+  double ambient_W_m2 = 2.0;                                          ///< from everywhere
   double sun_W_m2 = 0.0;                                              ///< on a surface that faces the sun
   Eigen::Vector3d sun_direction = Eigen::Vector3d(-0.5, -0.7, -0.5);  ///< towards the sun, in the rig frame
   double background_albedo = 0.15;                                    ///< of what is behind the board
+  double background_m = 3.0;  ///< distance of what is behind the board from the rig, all around; beams light it too
 };
 
 /// How the board is held.
