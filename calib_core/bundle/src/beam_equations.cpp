@@ -35,7 +35,7 @@ struct NormalEquations::DotPart {
   BlockSystem::Shared shared;
   DotRows rows;
   Eigen::MatrixXd products, local;
-  double chi2 = 0.0;
+  double robust_chi2 = 0.0, weighted_chi2 = 0.0;
 };
 
 void NormalEquations::number_beams(const BundleState& state, const BundleOptions& options) {
@@ -98,7 +98,7 @@ bool NormalEquations::add_dots(const PoseViews& group, const Unknowns& unknowns,
       ++refusals_[view.view];
       return false;
     }
-    part.chi2 += part.rows.robust_chi2;
+    part.robust_chi2 += part.rows.robust_chi2;
     gram(part.rows.rows, part.products);
     add_products(part.products, dot_columns_[v], part.local);
     const std::vector<int> columns = columns_of(view.camera, view.target);
@@ -132,6 +132,7 @@ double NormalEquations::assemble(const Unknowns& unknowns, Linearization& result
       part.local = local_equations(group, unknowns, result);
       if (!add_dots(group, unknowns, part, system)) complete = false;
       const auto count = static_cast<Eigen::Index>(group.columns.size());
+      part.weighted_chi2 += part.local(6 + count, 6 + count);
       system.poses.own.middleCols<6>(6 * p) = part.local.topLeftCorner<6, 6>().selfadjointView<Eigen::Upper>();
       system.poses.gradient.col(p) = part.local.block<6, 1>(0, 6 + count);
       for (Eigen::Index b = 0; b < count; ++b) {
@@ -147,7 +148,8 @@ double NormalEquations::assemble(const Unknowns& unknowns, Linearization& result
   double chi2 = 0.0;
   for (const DotPart& part : parts) {
     system.shared += part.shared;
-    chi2 += part.chi2;
+    system.chi2 += part.weighted_chi2;
+    chi2 += part.robust_chi2;
   }
   return chi2 + add_priors(unknowns, result.priors, system);
 }
@@ -161,6 +163,7 @@ double NormalEquations::add_priors(const Unknowns& unknowns, const std::vector<P
     layout_.scatter(layout_.blocks[b].kind, layout_.blocks[b].owner, priors[b].jacobian, rows);
     system.shared.matrix += rows.transpose() * rows;
     system.shared.gradient += rows.transpose() * priors[b].residual;
+    system.chi2 += priors[b].residual.squaredNorm();
   }
   double chi2 = 0.0;
   for (std::size_t b = 0; b < beams_.size() && !beam_priors_.empty(); ++b) {
@@ -171,13 +174,16 @@ double NormalEquations::add_priors(const Unknowns& unknowns, const std::vector<P
     system.shared.beams.gradient.col(number) += term.gradient;
     chi2 += term.chi2;
   }
+  system.chi2 += chi2;
   return chi2;
 }
 
 std::optional<Step> NormalEquations::step_with_beams(const Unknowns& unknowns, const Linearization& at, double radius) {
   std::optional<BlockStep> solved;
   const auto solve = [&](auto& elimination) {
-    if (elimination.factor(at.system, radius, workers_)) solved = elimination.step(at.system);
+    if (elimination.reduce(at.system, radius, workers_) && elimination.factor(elimination.kept())) {
+      solved = elimination.step(at.system);
+    }
   };
   if (beams_first_) solve(*beams_first_);
   if (poses_first_) solve(*poses_first_);

@@ -63,6 +63,7 @@ struct BlockSystem {
   BlockFamily<6> poses;
   Shared shared;
   std::vector<Tie> ties;  ///< sorted by pose, then by beam; of each pair at most one
+  double chi2 = 0.0;      ///< sum of the squared residuals, weighted as the equations are
 
   int parameters() const { return static_cast<int>(shared.gradient.size()); }
 };

@@ -126,7 +126,7 @@ void Elimination<E, K>::subtract(int tile) {
 }
 
 template <int E, int K>
-bool Elimination<E, K>::factor(const BlockSystem& system, double radius, Workers& workers) {
+bool Elimination<E, K>::reduce(const BlockSystem& system, double radius, Workers& workers) {
   for (int b = 0; b < eliminated_blocks_; ++b) {
     for (int k = 0; k < E; ++k) damping_(k, b) = damping(family<E>(system).own(k, E * b + k), radius);
   }
@@ -138,7 +138,12 @@ bool Elimination<E, K>::factor(const BlockSystem& system, double radius, Workers
   fill_complement(system, radius);
   const int panels = static_cast<int>(panels_.size());
   workers.for_each(panels * (panels + 1) / 2, [&](int tile) { subtract(tile); });
-  Eigen::Ref<Eigen::MatrixXd> matrix = complement_.topLeftCorner(columns_, columns_);
+  return true;
+}
+
+template <int E, int K>
+bool Elimination<E, K>::factor(int count) {
+  Eigen::Ref<Eigen::MatrixXd> matrix = complement_.topLeftCorner(count, count);
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Upper> factor(matrix);
   return factor.info() == Eigen::Success;
 }

@@ -52,16 +52,21 @@ class Elimination {
   /// Multiplications of one factor() by the sizes alone.
   static double cost(const BlockSystem& pattern);
 
-  /// Eliminates and factors; false when the damped equations are not positive definite.
+  /// Eliminates; false when the damped equations of a block are not positive definite.
   ///
   /// @param radius  the diagonal is raised by its 1 / radius
-  bool factor(const BlockSystem& system, double radius, Workers& workers);
+  bool reduce(const BlockSystem& system, double radius, Workers& workers);
 
-  /// After factor() of the same system.
+  /// After reduce(): replaces the complement of the first kept unknowns by its Cholesky factor U; false when it is not
+  /// positive definite.
+  bool factor(int count);
+
+  /// After reduce() of the same system and factor(kept()).
   BlockStep step(const BlockSystem& system) const;
 
-  int kept() const { return columns_; }                              ///< kept unknowns: blocks, then parameters
-  const Eigen::MatrixXd& complement() const { return complement_; }  ///< factor() left its Cholesky factor U in it
+  int kept() const { return columns_; }  ///< kept unknowns: blocks, then parameters
+  int first_parameter() const { return K * kept_blocks_; }
+  const Eigen::MatrixXd& complement() const { return complement_; }  ///< by the kept unknowns; upper triangle
 
   /// Lower Cholesky factor of an eliminated block.
   const FactorE& block_factor(int block) const { return factors_[block]; }
@@ -76,7 +81,6 @@ class Elimination {
     std::vector<double> rows;  // E rows of kTile numbers for each of `blocks`
   };
 
-  int first_parameter() const { return K * kept_blocks_; }
   bool eliminate(const BlockSystem& system, int block);
   void fill_complement(const BlockSystem& system, double radius);
   void subtract(int tile);

@@ -3,10 +3,12 @@
 #include "raybundle/bundle/information.hpp"
 
 #include <Eigen/QR>
-#include <array>
+#include <algorithm>
 #include <map>
 
+#include "block_information.hpp"
 #include "layout.hpp"
+#include "normal_equations.hpp"
 #include "raybundle/bundle/view_block.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "unknowns.hpp"
@@ -45,29 +47,79 @@ struct PoseRows {
 
 double weighted_chi2(const ViewBlock& block) { return block.residual.head(block.residual.size() - 1).squaredNorm(); }
 
+std::vector<std::string> free_names(const Layout& layout) {
+  std::vector<std::string> names;
+  for (const ParameterBlock& block : layout.blocks) {
+    for (int i : block.free()) names.push_back(block.parameters[i].name);
+  }
+  return names;
+}
+
+[[noreturn]] void throw_unprojectable(const CalibrationProblem& problem, int view) {
+  throw Error(ErrorKind::kSolveFailed,
+              "a corner or a dot in use is not projected by the camera model; mark_projectable() and mark_dots() find "
+              "such ones",
+              view_name(problem, problem.views[view]));
+}
+
+// The equations at the state when there are beams, with the directions that nothing sees pinned.
+struct BeamSystem {
+  NormalEquations equations;
+  Linearization here;
+  std::vector<int> pinned;  // directions of each beam that takes part
+
+  BeamSystem(const CalibrationProblem& problem, const BundleState& state, const BundleOptions& options)
+      : equations(problem, state, options) {
+    if (!equations.linearize(Unknowns(state), here)) {
+      const std::vector<int>& refusals = equations.refusals();
+      throw_unprojectable(problem, static_cast<int>(std::ranges::max_element(refusals) - refusals.begin()));
+    }
+    pinned = pin_unseen(here.system);
+  }
+};
+
+int rank(const Eigen::Matrix4d& information) { return static_cast<int>(information.fullPivHouseholderQr().rank()); }
+
+ReducedInformation information_with_beams(BeamSystem& at, const BundleOptions& options) {
+  NormalEquations& equations = at.equations;
+  const BlockSystem& system = at.here.system;
+  ReducedInformation result{.names = free_names(equations.layout()),
+                            .information = parameter_information(system, equations.workers()),
+                            .chi2 = system.chi2};
+  for (const ViewData& view : equations.views()) result.residuals += 2 * static_cast<int>(view.pixel.rows());
+  for (const ViewDots& view : equations.dots()) result.residuals += 2 * static_cast<int>(view.dots.size());
+  for (const PriorResidual& prior : at.here.priors) result.residuals += static_cast<int>(prior.residual.size());
+  result.parameters = system.parameters() + 6 * system.poses.blocks();
+  for (std::size_t b = 0; b < at.pinned.size(); ++b) {
+    result.parameters += 4 - at.pinned[b];
+    if (options.beam_priors.empty()) continue;
+    const std::optional<BeamPrior>& prior = options.beam_priors[equations.beams()[b]];
+    if (prior) result.residuals += rank(prior->information);
+  }
+  return result;
+}
+
 }  // namespace
 
 ReducedInformation reduced_information(const CalibrationProblem& problem, const BundleState& state,
                                        const BundleOptions& options) {
+  if (!active_beams(used_dots(problem, state), state, options).empty()) {
+    BeamSystem at(problem, state, options);
+    return information_with_beams(at, options);
+  }
   const Layout layout(estimated_blocks(problem, state, options));
   const Unknowns unknowns(state);
   ReducedInformation result;
   result.information.setZero(layout.columns, layout.columns);
   result.parameters = layout.columns;
-  for (const ParameterBlock& block : layout.blocks) {
-    for (int i : block.free()) result.names.push_back(block.parameters[i].name);
-  }
+  result.names = free_names(layout);
 
   std::map<int, PoseRows> poses;  // in order, so that sums are formed in the same order every time
   for (const ViewData& view : used_views(problem, state)) {
     ViewBlock block;
     const ViewBlockOptions view_options{.with_shape = layout.estimates_shape(view.target),
                                         .robust_scale_sigma = options.robust_scale_sigma};
-    if (!linearize_view(view, unknowns.at(view), view_options, block)) {
-      throw Error(ErrorKind::kSolveFailed,
-                  "a corner in use is not projected by the camera model; mark_projectable() finds such corners",
-                  view_name(problem, problem.views[view.view]));
-    }
+    if (!linearize_view(view, unknowns.at(view), view_options, block)) throw_unprojectable(problem, view.view);
     result.chi2 += weighted_chi2(block);
     result.residuals += 2 * static_cast<int>(view.pixel.rows());
     poses[view.pose].append(view, block, layout);
@@ -86,6 +138,18 @@ ReducedInformation reduced_information(const CalibrationProblem& problem, const 
     result.information += rows.transpose() * rows;
     result.chi2 += prior.residual.squaredNorm();
     result.residuals += static_cast<int>(prior.residual.size());
+  }
+  return result;
+}
+
+std::vector<std::optional<BeamCovariance>> beam_covariances(const CalibrationProblem& problem, const BundleState& state,
+                                                            const BundleOptions& options) {
+  std::vector<std::optional<BeamCovariance>> result(state.beams.size());
+  if (active_beams(used_dots(problem, state), state, options).empty()) return result;
+  BeamSystem at(problem, state, options);
+  const std::vector<BeamCovariance> covariances = marginal_beams(at.here.system, at.equations.workers());
+  for (std::size_t b = 0; b < covariances.size(); ++b) {
+    if (at.pinned[b] == 0) result[at.equations.beams()[b]] = covariances[b];
   }
   return result;
 }

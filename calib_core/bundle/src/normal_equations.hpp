@@ -43,6 +43,9 @@ class NormalEquations {
   NormalEquations(const CalibrationProblem& problem, const BundleState& state, const BundleOptions& options);
 
   bool empty() const { return views_.empty() && dots_.empty(); }
+  const Layout& layout() const { return layout_; }
+  const std::vector<int>& beams() const { return beams_; }  ///< of the state, that take part
+  const std::vector<ViewData>& views() const { return views_; }
   const std::vector<ViewDots>& dots() const { return dots_; }
 
   /// False when some view has a corner or a dot that its camera model does not project, or a dot whose beam misses the
@@ -53,6 +56,8 @@ class NormalEquations {
   ///
   /// @param radius  of the trust region: the diagonal is raised by its 1 / radius
   std::optional<Step> step(const Unknowns& unknowns, const Linearization& at, double radius);
+
+  Workers& workers() { return workers_; }
 
   Unknowns moved(const Unknowns& unknowns, const Step& step) const;
 
