@@ -95,9 +95,11 @@ void measure(const std::string& kind, int views, double outliers, int repetition
     iterations = solve_bundle(problem, state).iterations;
   });
   const double whole_ms = best_ms(repetitions, [&] { calibrate(problem, {.threads = 1}); });
-  std::printf("%-12s %5zu %3.0f %%  start %8.2f ms %5.2fx   solve %8.2f ms %3d iterations   whole %8.2f ms %5.2fx\n",
-              kind.c_str(), problem.views.size(), 100 * outliers, start_ms, start_ms / solve_ms, solve_ms, iterations,
-              whole_ms, whole_ms / solve_ms);
+  // The bar is that of the start for 200 views, where what is paid once weighs neither much nor nothing.
+  const char* verdict = views != 200 ? "" : start_ms <= solve_ms ? "  bar 1x: passed" : "  bar 1x: FAILED";
+  std::printf("%-12s %5zu %3.0f %%  whole %8.2f ms %5.2fx   solve %8.2f ms %3d iterations   start %8.2f ms %5.2fx%s\n",
+              kind.c_str(), problem.views.size(), 100 * outliers, whole_ms, whole_ms / solve_ms, solve_ms, iterations,
+              start_ms, start_ms / solve_ms, verdict);
   std::fflush(stdout);
 }
 

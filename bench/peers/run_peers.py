@@ -19,6 +19,8 @@ import sys
 import tempfile
 import time
 
+import problem
+
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 WORK = ROOT / "build" / "peers"
@@ -59,6 +61,7 @@ def peers(build):
     most = 10**6
     return {
         "raybundle": ([ours], [], every, most),
+        "raybundle, plain": ([ours], ["--plain"], r"^\w+ \d+$", most),
         "raybundle, flat board": ([ours], ["--estimate-shape", "false"], every, most),
         "raybundle program": ([sys.executable, script("peer_program.py"), str(build / "raybundle")], [], every, most),
         "opencv 4.6": ([DEBIAN, script("peer_opencv.py")], [], "^(?!rig)", 200),
@@ -146,11 +149,22 @@ def measure(name, folder, results, options):
                 by_peer[peer] = [{"failed": f"> {options.limit_s:.0f} s (foreseen)"}]
                 continue
             run = run_once(([*command, str(folder)], arguments), options.limit_s)
+            add_extrinsics(run, folder)
             runs.append(run)
             spent[peer] = spent.get(peer, 0) + run["process_cpu_s"]
             told = run.get("failed") or f"{1e3 * run['cpu_s']:.1f} ms cpu, {1e3 * run['wall_s']:.1f} ms wall"
             if repetition == 0:
                 print(f"  {peer:24s} {told}", flush=True)
+
+
+def add_extrinsics(run, folder):
+    """Our own program writes places of cameras and the rotations that its true errors are without."""
+    if "extrinsics" in run or "cameras" not in run:
+        return
+    places = [problem.matrix(problem.matrix_from_quaternion(c["rotation_xyzw"]), c["translation_m"]) for c in run["cameras"]]
+    removed = [problem.matrix_from_quaternion(c["removed_rotation_xyzw"]) for c in run["cameras"]]
+    known = json.loads((folder / "problem.json").read_text())["cameras"]
+    run["extrinsics"] = problem.extrinsic_error(known, places, removed)
 
 
 def problem_folder(name, flags, build):
