@@ -5,9 +5,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "raybundle/camera/camera.hpp"
+#include "raybundle/geometry/quantile.hpp"
 #include "terminal.hpp"
 
 namespace raybundle::apps {
@@ -104,6 +106,38 @@ std::string shape_lines(const CalibrationResult& result) {
   return text;
 }
 
+// Beams, dots, and what a dot's depth is worth.
+std::string laser_lines(const CalibrationResult& result) {
+  if (!result.laser || !result.calibration.laser) return {};
+  const LaserSummary& laser = *result.laser;
+  const LaserPattern& pattern = *result.calibration.laser;
+  std::string text = fmt::format("laser: {} of {} beams from {} dots, rms {:.3f} px; {} outliers, {} unlabelled; {}\n",
+                                 pattern.beams.size(), pattern.grid.size(), laser.dots_used, laser.rms_px,
+                                 laser.dots_outlier, laser.dots_unlabelled, laser.label_origin);
+  for (std::size_t d = 0; d < kStatedDepthsM.size(); ++d) {
+    std::vector<double> sigmas, per_px;
+    for (const LaserBeam& beam : pattern.beams) {
+      if (std::isfinite(beam.depths[d].sigma_m)) sigmas.push_back(beam.depths[d].sigma_m);
+      if (std::isfinite(beam.depths[d].per_px_m)) per_px.push_back(beam.depths[d].per_px_m);
+    }
+    if (sigmas.empty()) continue;
+    text += fmt::format(
+        "  at {:.1f} m {} beams are seen; depth ± {:.2f} mm by the calibration, {:.1f} mm for each px of a dot\n",
+        kStatedDepthsM[d], sigmas.size(), 1e3 * median(sigmas), 1e3 * median(per_px));
+  }
+  if (!pattern.advice) return text;
+  const LabelAdvice& advice = *pattern.advice;
+  text += fmt::format("  labels: within {:.2f} px a dot alone tells its beam for {:.0f} % of depths",
+                      advice.ambiguity.tolerance_px, 100 * advice.ambiguity.single_candidate_share);
+  const bool turn_helps =
+      advice.best_turn && advice.best_turn->single_candidate_share > advice.ambiguity.single_candidate_share + 0.01;
+  if (turn_helps) {
+    text += fmt::format("; with the grating turned by {:.0f}° it would be {:.0f} %",
+                        degrees(advice.best_turn->turn_rad), 100 * advice.best_turn->single_candidate_share);
+  }
+  return text + "\n";
+}
+
 void add_limited(std::string& text, const std::string& head, const std::vector<std::string>& lines) {
   if (lines.empty()) return;
   text += head + "\n";
@@ -115,8 +149,8 @@ void add_limited(std::string& text, const std::string& head, const std::vector<s
 
 std::string summary_text(const CalibrationProblem& problem, const CalibrationResult& result,
                          const std::vector<UnusedImage>& unused) {
-  std::string text =
-      camera_table(problem, result) + rig_lines(result) + link_line(problem, result) + shape_lines(result);
+  std::string text = camera_table(problem, result) + rig_lines(result) + link_line(problem, result) +
+                     shape_lines(result) + laser_lines(result);
   std::vector<std::string> views, ties;
   for (const SetAside& entry : result.set_aside) {
     const TargetView& view = problem.views[entry.view];

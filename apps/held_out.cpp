@@ -77,6 +77,8 @@ HeldOut held_out(const CalibrationFile& file, const CalibrationProblem& observed
   // The rig frame of the observations is that of their first camera.
   const Rigid3 rig_from_first = problem.cameras.front().camera_from_rig->inverse();
   for (ProblemCamera& camera : problem.cameras) camera.camera_from_rig = *camera.camera_from_rig * rig_from_first;
+  problem.laser.reset();  // beams are not held, they are tested
+  for (TargetView& view : problem.views) view.dots.clear();
   problem.rules = {{"*.intrinsics", ParameterRule::Kind::kFixed, {}, 0.0}};
   if (problem.cameras.size() > 1) problem.rules.push_back({"*.camera_from_rig", ParameterRule::Kind::kFixed, {}, 0.0});
   bend_known_boards(file.calibration, held);

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -10,6 +12,7 @@
 #include "raybundle/calibrate/calibrate.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
+#include "raybundle/uncertainty/held_out_dots.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 
@@ -19,8 +22,9 @@ namespace {
 struct ValidateFlags {
   std::string calibration;
   InputFlags input;
-  double max_rms_px = 0.0;  // 0: twice what the calibration itself reached
-  double min_share = 0.75;  // of the views, which have to fit at all
+  double max_rms_px = 0.0;    // 0: twice what the calibration itself reached
+  double min_share = 0.75;    // of the views, which have to fit at all
+  double max_plane_mm = 0.0;  // rms of the laser's points from the boards; 0: no gate
   bool json = false;
 };
 
@@ -36,6 +40,74 @@ struct CameraVerdict {
   bool passed() const { return fits() && enough_views(); }
 };
 
+// How the dots of a laser fared on boards that the calibration has not seen.
+struct DotsVerdict {
+  int dots = 0;
+  std::vector<HeldOutDot> explained;
+  double rms_px = 0.0;
+  double limit_mm = 0.0;  // 0: none
+
+  // Root mean square distance from the boards of the points between two depths [mm]; NaN without any.
+  double plane_mm(double nearest_m, double farthest_m) const {
+    double sum = 0.0;
+    int count = 0;
+    for (const HeldOutDot& dot : explained) {
+      if (dot.depth_m < nearest_m || dot.depth_m > farthest_m) continue;
+      sum += dot.off_board_m * dot.off_board_m;
+      ++count;
+    }
+    return count > 0 ? 1e3 * std::sqrt(sum / count) : std::nan("");
+  }
+  double plane_mm() const { return plane_mm(0.0, std::numeric_limits<double>::infinity()); }
+  bool passed() const { return limit_mm <= 0.0 || plane_mm() <= limit_mm; }
+};
+
+// Depths between which points are counted together [m].
+constexpr std::pair<double, double> kDepthBands[] = {{0.0, 0.4}, {0.4, 0.75}, {0.75, 1.25}, {1.25, 10.0}};
+
+// Dots by the beams of the calibration, on the boards where their corners have put them.
+DotsVerdict judge_dots(const Calibration& calibration, const CalibrationProblem& observed,
+                       const CalibrationResult& placed) {
+  // The placed boards are seen from the first camera of the held-out rig.
+  const Rigid3 rig_from_first = camera_named(calibration, observed.cameras.front().name).camera_from_rig.inverse();
+  std::vector<std::optional<Rigid3>> rig_from_target;
+  DotsVerdict verdict;
+  for (std::size_t v = 0; v < observed.views.size(); ++v) {
+    const int pose = placed.views[v].pose;
+    rig_from_target.push_back(pose < 0 ? std::nullopt
+                                       : std::optional(rig_from_first * placed.poses[pose].rig_from_target));
+    if (pose >= 0) verdict.dots += static_cast<int>(observed.views[v].dots.size());
+  }
+  constexpr double kTolerances = 3.0;  // the boards' places are uncertain too
+  const double tolerance_px = calibration.laser->advice ? calibration.laser->advice->ambiguity.tolerance_px : 1.0;
+  verdict.explained = explain_dots(calibration, observed, rig_from_target, kTolerances * tolerance_px);
+  double squares = 0.0;
+  for (const HeldOutDot& dot : verdict.explained) squares += dot.residual_px.squaredNorm();
+  verdict.rms_px = std::sqrt(squares / std::max<double>(1.0, static_cast<double>(verdict.explained.size())));
+  return verdict;
+}
+
+void print_dots(const DotsVerdict& verdict) {
+  fmt::print("laser: {} of {} dots belong to a beam, {:.3f} px rms from where it meets the board{}\n",
+             verdict.explained.size(), verdict.dots, verdict.rms_px, verdict.passed() ? "" : "  FAIL");
+  for (const auto& [nearest, farthest] : kDepthBands) {
+    const double mm = verdict.plane_mm(nearest, farthest);
+    if (std::isfinite(mm))
+      fmt::print("  {:.2f} m to {:.2f} m: points lie {:.2f} mm rms off the board\n", nearest, farthest, mm);
+  }
+}
+
+nlohmann::ordered_json json_of(const DotsVerdict& verdict) {
+  nlohmann::ordered_json bands = nlohmann::ordered_json::array();
+  for (const auto& [nearest, farthest] : kDepthBands) {
+    bands.push_back(
+        {{"nearest_m", nearest}, {"farthest_m", farthest}, {"plane_rms_mm", verdict.plane_mm(nearest, farthest)}});
+  }
+  return {{"dots", verdict.dots},     {"explained", verdict.explained.size()},
+          {"rms_px", verdict.rms_px}, {"plane_rms_mm", verdict.plane_mm()},
+          {"bands", bands},           {"passed", verdict.passed()}};
+}
+
 double limit_px(const ValidateFlags& flags, const CalibrationFile& file, const std::string& camera) {
   if (flags.max_rms_px > 0) return flags.max_rms_px;
   for (std::size_t c = 0; c < file.summaries.size(); ++c) {
@@ -44,7 +116,7 @@ double limit_px(const ValidateFlags& flags, const CalibrationFile& file, const s
   throw Error(ErrorKind::kBadInput, "the calibration does not say its own rms; give --max-rms");
 }
 
-void print_json(const std::vector<CameraVerdict>& verdicts, bool passed) {
+void print_json(const std::vector<CameraVerdict>& verdicts, const std::optional<DotsVerdict>& dots, bool passed) {
   nlohmann::ordered_json cameras = nlohmann::ordered_json::array();
   for (const CameraVerdict& verdict : verdicts) {
     cameras.push_back({{"name", verdict.name},
@@ -57,7 +129,9 @@ void print_json(const std::vector<CameraVerdict>& verdicts, bool passed) {
                        {"corners_used", verdict.summary.corners_used},
                        {"passed", verdict.passed()}});
   }
-  fmt::print("{}\n", nlohmann::ordered_json{{"passed", passed}, {"cameras", cameras}}.dump(2));
+  nlohmann::ordered_json json{{"passed", passed}, {"cameras", cameras}};
+  if (dots) json["laser"] = json_of(*dots);
+  fmt::print("{}\n", json.dump(2));
 }
 
 void print_table(const std::vector<CameraVerdict>& verdicts) {
@@ -110,11 +184,19 @@ void run(const ValidateFlags& flags) {
     const std::string& name = problem.cameras[c].name;
     verdicts.push_back({name, result.cameras[c], limit_px(flags, file, name), flags.min_share});
   }
-  const bool passed = std::ranges::all_of(verdicts, &CameraVerdict::passed);
+  std::optional<DotsVerdict> dots;
+  const bool any_dots =
+      std::ranges::any_of(images.observations.problem.views, [](const TargetView& v) { return !v.dots.empty(); });
+  if (file.calibration.laser && any_dots) {
+    dots = judge_dots(file.calibration, images.observations.problem, result);
+    dots->limit_mm = flags.max_plane_mm;
+  }
+  const bool passed = std::ranges::all_of(verdicts, &CameraVerdict::passed) && (!dots || dots->passed());
   if (flags.json) {
-    print_json(verdicts, passed);
+    print_json(verdicts, dots, passed);
   } else {
     print_table(verdicts);
+    if (dots) print_dots(*dots);
     for (const SetAside& aside : result.set_aside) {
       say(fmt::format("set aside: {}: {}", view_name(problem, problem.views[aside.view]), aside.reason));
     }
@@ -136,6 +218,9 @@ void add_validate_verb(CLI::App& app) {
   verb->add_option("--min-views", flags->min_share, "gate for each camera: share of its views that have to fit")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
+  verb->add_option("--max-plane", flags->max_plane_mm,
+                   "gate for the laser: rms distance of its points from the boards [mm]")
+      ->check(CLI::PositiveNumber);
   verb->add_flag("--json", flags->json, "print the result as JSON");
   verb->footer(
       "Example:\n  raybundle validate out/calibration.json --target chessboard:9x6:25mm --camera "

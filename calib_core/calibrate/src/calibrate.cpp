@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "raybundle/calibrate/calibrate.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -9,6 +11,7 @@
 #include "cameras_alone.hpp"
 #include "content_order.hpp"
 #include "joint_solve.hpp"
+#include "laser_stage.hpp"
 #include "raybundle/bundle/parameters.hpp"
 #include "raybundle/camera/injectivity.hpp"
 #include "raybundle/geometry/error.hpp"
@@ -65,6 +68,69 @@ void fill_covariance(const CalibrationProblem& problem, const BundleState& state
                             "in the corners of the image, or choose a model with fewer parameters");
 }
 
+// What the dots did to the cameras' free parameters.
+std::vector<DraggedParameter> drag_of(const CalibrationProblem& problem, const BundleState& without,
+                                      const BundleState& with, const BundleOptions& bundle, const Covariance& known) {
+  std::vector<DraggedParameter> dragged;
+  for (const ParameterBlock& block : estimated_blocks(problem, without, bundle)) {
+    if (block.kind == ParameterBlock::Kind::kShape) continue;
+    const PriorMean before = current_values(without, block), after = current_values(with, block);
+    const bool pose = block.kind == ParameterBlock::Kind::kCameraFromRig;
+    const Eigen::VectorXd motion = pose ? motion_between(before.camera_from_rig, after.camera_from_rig)
+                                        : Eigen::Matrix<double, 6, 1>(Eigen::Matrix<double, 6, 1>::Zero());
+    for (const int i : block.free()) {
+      const std::string& name = block.parameters[i].name;
+      const double sigma = known.sigma(name);
+      dragged.push_back(pose ? DraggedParameter{name, 0.0, motion[i], sigma}
+                             : DraggedParameter{name, before.values[i], after.values[i], sigma});
+    }
+  }
+  return dragged;
+}
+
+// Dots as strong as corners that move a parameter by more than they can explain.
+void warn_of_drag(const LaserSummary& laser, CalibrationResult& result) {
+  constexpr double kMostSigmas = 4.0;
+  if (laser.drag_sigmas() <= kMostSigmas) return;
+  const auto worst = std::ranges::max_element(laser.parameters, {}, [](const DraggedParameter& p) {
+    return p.sigma_without > 0.0 ? std::abs(p.with - p.without) / p.sigma_without : 0.0;
+  });
+  result.warnings.push_back(
+      fmt::format("the laser's dots drag the cameras: {} is {:.6g} with them and {:.6g} without, {:.1f} of its sigmas "
+                  "away; dots and "
+                  "corners contradict each other, so look for wrong labels, a bent board or a lens model that does not "
+                  "fit, or keep "
+                  "the cameras with --fix '*.intrinsics'",
+                  worst->name, worst->with, worst->without, laser.drag_sigmas()));
+}
+
+// Cameras, boards and beams in one bundle, from cameras and boards that are solved. Without beams the cameras remain.
+void add_laser(const CalibrateOptions& options, const BundleOptions& bundle, CalibrationProblem& problem,
+               BundleState& state, CalibrationResult& result) try {
+  const CalibrationResult without = result;
+  LaserSolve solve;
+  {
+    const Stopwatch stopwatch(result.stages, "laser");
+    solve = solve_with_dots(problem, state, std::sqrt(without.variance_factor), options, bundle);
+  }
+  const Stopwatch stopwatch(result.stages, "uncertainty");
+  solve.laser.parameters = drag_of(problem, state, solve.state, bundle, without.calibration.covariance);
+  problem = solve.problem;
+  state = solve.state;
+  fill_covariance(problem, state, solve.bundle, result);
+  const RigCamera first{problem.cameras[0].name, state.cameras[0], state.camera_from_rig[0]};
+  fill_uncertainty(solve, result.calibration.covariance, result.variance_factor, first, solve.pattern);
+  result.variance_factor *= without.variance_factor;
+  result.calibration.laser = std::move(solve.pattern);
+  result.termination = solve.summary.termination;
+  result.iterations += solve.summary.iterations;
+  warn_of_drag(solve.laser, result);
+  result.laser = std::move(solve.laser);
+} catch (const Error& error) {
+  if (error.kind() != ErrorKind::kNotEnoughData) throw;
+  result.warnings.push_back(std::string("the laser's beams could not be calibrated: ") + error.what());
+}
+
 // A lens that folds beyond the corners is an ordinary fisheye with its image circle; one that folds among them is
 // wrong.
 void warn_of_folds(const CalibrationProblem& problem, const BundleState& state, CalibrationResult& result) {
@@ -107,6 +173,9 @@ CalibrationResult for_whole_problem(const CalibrationProblem& whole, const std::
     if (alone.cameras[camera]) continue;
     const std::size_t count = whole.views[v].observations.size();
     views[v].fates.assign(count, ObservationFate::kViewSetAside);
+    views[v].beam_of_dot.assign(whole.views[v].dots.size(), kUnlabelled);
+    views[v].dot_fates.assign(whole.views[v].dots.size(), ObservationFate::kViewSetAside);
+    views[v].dot_residuals_px.assign(whole.views[v].dots.size(), Eigen::Vector2d::Constant(std::nan("")));
     views[v].residuals_px.assign(count, Eigen::Vector2d::Constant(std::nan("")));
     summaries[camera].views_total += 1;
     result.set_aside.push_back({static_cast<int>(v), SetAside::Scope::kView, "its camera could not be calibrated"});
@@ -149,12 +218,17 @@ CalibrationResult calibrate_in_order(const CalibrationProblem& problem, const Ca
     const Stopwatch stopwatch(result.stages, "solve");
     solve = solve_jointly(sub.problem, state, options, reasons, alone.summaries[cameras.front()]);
   }
+  BundleOptions bundle;
+  bundle.estimate_shape = solve.shape_estimated;
   {
     const Stopwatch stopwatch(result.stages, "uncertainty");
-    BundleOptions bundle;
-    bundle.estimate_shape = solve.shape_estimated;
     fill_covariance(sub.problem, state, bundle, result);
   }
+  result.termination = solve.summary.termination;
+  result.iterations = solve.summary.iterations;
+
+  // The dots of a laser join it.
+  if (has_dots(sub.problem)) add_laser(options, bundle, sub.problem, state, result);
 
   fill_result(sub.problem, state, result);
   for (std::size_t v = 0; v < sub.views.size(); ++v) result.views[v].symmetry = rig.symmetry_of_view[v];
@@ -162,8 +236,6 @@ CalibrationResult calibrate_in_order(const CalibrationProblem& problem, const Ca
   std::ranges::copy_if(solve.ties.untied, std::back_inserter(result.set_aside),
                        [&](const SetAside& untied) { return state.pose_of_view[untied.view] >= 0; });
   name_views_set_aside(state, reasons, result);
-  result.termination = solve.summary.termination;
-  result.iterations = solve.summary.iterations;
   result.outlier_rule = outlier_rule(options);
   result.gauge = "the rig frame is the frame of camera " + sub.problem.cameras.front().name +
                  "; the scale comes from the size of the board";

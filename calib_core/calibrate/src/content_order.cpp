@@ -47,8 +47,12 @@ bool before(const TargetView& a, const TargetView& b) {
 OrderedProblem in_order_of_content(const CalibrationProblem& given) {
   OrderedProblem ordered;
   ordered.problem = given;
-  std::vector<std::vector<int>> observations;
+  std::vector<std::vector<int>> observations, dots;
   for (TargetView& view : ordered.problem.views) {
+    std::vector<int>& order_of_dots = dots.emplace_back(indices(view.dots.size()));
+    std::ranges::stable_sort(order_of_dots, {},
+                             [&](int i) { return std::pair(view.dots[i].pixel.x(), view.dots[i].pixel.y()); });
+    view.dots = at(view.dots, order_of_dots);
     std::vector<int>& order = observations.emplace_back(indices(view.observations.size()));
     if (std::ranges::is_sorted(view.observations, {}, &Observation::point_id)) continue;
     std::ranges::stable_sort(order, {}, [&](int i) { return view.observations[i].point_id; });
@@ -59,6 +63,11 @@ OrderedProblem in_order_of_content(const CalibrationProblem& given) {
                            [&](int a, int b) { return before(ordered.problem.views[a], ordered.problem.views[b]); });
   ordered.problem.views = at(ordered.problem.views, ordered.views);
   ordered.observations = at(observations, ordered.views);
+  ordered.dots = at(dots, ordered.views);
+  if (given.laser && given.laser->anchor) {
+    const auto anchored = std::ranges::find(ordered.views, given.laser->anchor->view);
+    ordered.problem.laser->anchor->view = static_cast<int>(anchored - ordered.views.begin());
+  }
 
   std::vector<int> new_frame(given.frames.size(), -1);
   for (TargetView& view : ordered.problem.views) {
@@ -88,6 +97,9 @@ CalibrationResult in_given_order(const OrderedProblem& ordered, CalibrationResul
     if (view.pose >= 0) view.pose = new_pose[view.pose];
     view.residuals_px = put_back(std::move(view.residuals_px), ordered.observations[v]);
     view.fates = put_back(std::move(view.fates), ordered.observations[v]);
+    view.beam_of_dot = put_back(std::move(view.beam_of_dot), ordered.dots[v]);
+    view.dot_fates = put_back(std::move(view.dot_fates), ordered.dots[v]);
+    view.dot_residuals_px = put_back(std::move(view.dot_residuals_px), ordered.dots[v]);
   }
   result.views = put_back(std::move(result.views), ordered.views);
   for (SetAside& aside : result.set_aside) aside.view = ordered.views[aside.view];

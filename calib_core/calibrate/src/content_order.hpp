@@ -16,9 +16,10 @@ struct OrderedProblem {
   std::vector<int> frames;                     ///< index in the given problem of each frame
   std::vector<int> views;                      ///< index in the given problem of each view
   std::vector<std::vector<int>> observations;  ///< index in the given view of each of a view's observations
+  std::vector<std::vector<int>> dots;          ///< the same of its dots
 };
 
-/// Corners by point id, views by their corners, frames by their first view.
+/// Corners by point id, dots by pixel, views by their corners, frames by their first view.
 OrderedProblem in_order_of_content(const CalibrationProblem& given);
 
 /// The result of the ordered problem as one of the given problem.

@@ -36,6 +36,15 @@ Subproblem select_cameras(const CalibrationProblem& whole, const std::vector<int
     sub.problem.views.back().camera = static_cast<int>(found - cameras.begin());
     sub.views.push_back(static_cast<int>(v));
   }
+  sub.problem.laser = whole.laser;
+  if (whole.laser && whole.laser->anchor) {
+    const auto anchored = std::ranges::find(sub.views, whole.laser->anchor->view);
+    sub.problem.laser->anchor.reset();
+    if (anchored != sub.views.end()) {
+      sub.problem.laser->anchor = whole.laser->anchor;
+      sub.problem.laser->anchor->view = static_cast<int>(anchored - sub.views.begin());
+    }
+  }
   std::ranges::copy_if(whole.rules, std::back_inserter(sub.problem.rules),
                        [&](const ParameterRule& rule) { return matches_any(rule, sub.problem); });
   return sub;

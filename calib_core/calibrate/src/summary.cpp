@@ -31,6 +31,13 @@ ViewResult view_result(const CalibrationProblem& problem, const BundleState& sta
   result.fates = state.fates[view];
   const Eigen::Vector2d none = Eigen::Vector2d::Constant(std::nan(""));
   result.residuals_px.assign(problem.views[view].observations.size(), none);
+  for (const Dot& dot : problem.views[view].dots) result.beam_of_dot.push_back(dot.beam);
+  result.dot_fates.assign(result.beam_of_dot.size(), ObservationFate::kUnlabelled);
+  result.dot_residuals_px.assign(result.beam_of_dot.size(), none);
+  if (!state.beams.empty()) {
+    result.dot_fates = state.dot_fates[view];
+    result.dot_residuals_px = dot_residuals(problem, state, view);
+  }
   if (state.pose_of_view[view] < 0) return result;
   result.residuals_px = view_residuals(problem, state, view);
   double sum = 0.0;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/quantile.hpp"
 
 namespace raybundle {
 namespace {
@@ -83,22 +84,34 @@ const LatticePlace& place_of_anchor(const CalibrationProblem& problem, const std
   return *found;
 }
 
-// The line whose dots are brightest, by the median over them; nothing when brightness was not measured.
-std::optional<std::size_t> brightest_line(const CalibrationProblem& problem, const std::vector<BeamHit>& hits,
-                                          const std::vector<HitLine>& lines, const Places& places) {
-  double most = 0.0;
-  std::optional<std::size_t> brightest;
-  for (std::size_t l = 0; l < lines.size(); ++l) {
-    if (!places[l]) continue;
-    std::vector<double> values;
-    for (int i : lines[l].hits) values.push_back(problem.views[hits[i].view].dots[hits[i].dot].brightness);
-    std::ranges::nth_element(values, values.begin() + values.size() / 2);
-    const double value = values[values.size() / 2];
-    if (value <= most) continue;
-    most = value;
-    brightest = l;
+// How much light a line's dots send, whatever their distance: the upper quartile, because ink hides some of it.
+double light_of(const CalibrationProblem& problem, const std::vector<BeamHit>& hits, const HitLine& line) {
+  constexpr std::size_t kFewestHits = 3;
+  std::vector<double> values;
+  for (int i : line.hits) {
+    values.push_back(problem.views[hits[i].view].dots[hits[i].dot].brightness * hits[i].x_in_rig.squaredNorm());
   }
-  return brightest;
+  return values.size() < kFewestHits ? 0.0 : quantile(values, 0.75);
+}
+
+// The shifts that call one of the brightest of the beams in question the brightest; all when brightness does not tell.
+std::vector<Shift> brightest_shifts(const CalibrationProblem& problem, const std::vector<BeamHit>& hits,
+                                    const std::vector<HitLine>& lines, const Places& places,
+                                    const std::vector<Shift>& shifts) {
+  constexpr double kPlainly = 0.85;  // of the most light: as bright, as far as ink and speckle let one say
+  std::vector<double> light(shifts.size(), 0.0);
+  for (std::size_t s = 0; s < shifts.size(); ++s) {
+    for (std::size_t l = 0; l < lines.size(); ++l) {
+      const bool meant = places[l] && beam_at(problem.laser->grid, *places[l], shifts[s]) == *problem.laser->brightest;
+      if (meant) light[s] = std::max(light[s], light_of(problem, hits, lines[l]));
+    }
+  }
+  const double most = *std::ranges::max_element(light);
+  std::vector<Shift> kept;
+  for (std::size_t s = 0; s < shifts.size(); ++s) {
+    if (light[s] >= kPlainly * most) kept.push_back(shifts[s]);
+  }
+  return kept;
 }
 
 void transpose(Places& places) {
@@ -141,11 +154,10 @@ BeamOrigin beam_origin(const CalibrationProblem& problem, const std::vector<Beam
     const LatticePlace anchored = places == given_places ? place : LatticePlace{place.column, place.row};
     keep("the anchor", [&](Shift shift) { return beam_at(laser.grid, anchored, shift) == laser.anchor->beam; });
   }
-  if (laser.brightest) {
-    if (const auto line = brightest_line(problem, hits, lines, places)) {
-      keep("the brightest beam",
-           [&](Shift shift) { return beam_at(laser.grid, *places[*line], shift) == *laser.brightest; });
-    }
+  if (laser.brightest && shifts.size() > 1) {
+    std::vector<Shift> kept = brightest_shifts(problem, hits, lines, places, shifts);
+    if (kept.size() < shifts.size()) origin.reason = "the brightest beam";
+    shifts = std::move(kept);
   }
   if (!laser.missing.empty()) {
     keep("the missing beams", [&](Shift shift) {

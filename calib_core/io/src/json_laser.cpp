@@ -16,6 +16,16 @@ LaserGrid grid_from(const JsonNode& node) {
   return {node.at("rows").whole_number(1, kMostRows), node.at("columns").whole_number(1, kMostRows)};
 }
 
+/// A number that does not exist becomes null.
+OrderedJson json_from_depths(const LaserBeam& beam) {
+  OrderedJson depths = OrderedJson::array();
+  for (std::size_t d = 0; d < kStatedDepthsM.size(); ++d) {
+    depths.push_back(
+        {{"depth_m", kStatedDepthsM[d]}, {"sigma_m", beam.depths[d].sigma_m}, {"per_px_m", beam.depths[d].per_px_m}});
+  }
+  return depths;
+}
+
 OrderedJson json_from_beam(const LaserBeam& beam) {
   OrderedJson covariance = OrderedJson::array();
   for (int i = 0; i < 4; ++i) covariance.push_back(json_from_vector(beam.covariance.row(i).transpose()));
@@ -26,7 +36,21 @@ OrderedJson json_from_beam(const LaserBeam& beam) {
           {"covariance", covariance},
           {"hits", beam.hits},
           {"nearest_hit_m", beam.nearest_hit_m},
-          {"farthest_hit_m", beam.farthest_hit_m}};
+          {"farthest_hit_m", beam.farthest_hit_m},
+          {"depths", json_from_depths(beam)}};
+}
+
+double number_or_nan(const JsonNode& node) {
+  return node.is_null() ? std::numeric_limits<double>::quiet_NaN() : node.number();
+}
+
+void read_depths(const JsonNode& node, LaserBeam& beam) {
+  node.expect_array_size(kStatedDepthsM.size());
+  for (std::size_t d = 0; d < kStatedDepthsM.size(); ++d) {
+    const JsonNode entry = node[d];
+    if (entry.at("depth_m").number() != kStatedDepthsM[d]) entry.fail("has another depth than this version states");
+    beam.depths[d] = {number_or_nan(entry.at("sigma_m")), number_or_nan(entry.at("per_px_m"))};
+  }
 }
 
 Eigen::Vector3d direction_from(const JsonNode& node) {
@@ -57,6 +81,7 @@ LaserBeam beam_from(const JsonNode& node, const LaserGrid& grid) {
   if (const auto hits = node.find("hits")) beam.hits = hits->whole_number(0, kMaxCount);
   if (const auto nearest = node.find("nearest_hit_m")) beam.nearest_hit_m = nearest->number();
   if (const auto farthest = node.find("farthest_hit_m")) beam.farthest_hit_m = farthest->number();
+  if (const auto depths = node.find("depths")) read_depths(*depths, beam);
   return beam;
 }
 
@@ -93,6 +118,40 @@ int label_from(const JsonNode& node, const LaserGrid& grid) {
   return label_from(node[0], node[1], grid);
 }
 
+OrderedJson json_from_advice(const LabelAdvice& advice, const LaserGrid& grid) {
+  OrderedJson pairs = OrderedJson::array();
+  for (const AmbiguousBeams& pair : advice.ambiguity.pairs) {
+    pairs.push_back({{"beams", {json_from_label(grid, pair.first), json_from_label(grid, pair.second)}},
+                     {"distance_px", pair.distance_px}});
+  }
+  OrderedJson json{{"tolerance_px", advice.ambiguity.tolerance_px},
+                   {"single_candidate_share", advice.ambiguity.single_candidate_share}};
+  if (advice.best_turn) {
+    json["best_turn"] = {{"turn_rad", advice.best_turn->turn_rad},
+                         {"single_candidate_share", advice.best_turn->single_candidate_share}};
+  }
+  json["ambiguous_pairs"] = pairs;
+  return json;
+}
+
+LabelAdvice advice_from(const JsonNode& node, const LaserGrid& grid) {
+  LabelAdvice advice;
+  advice.ambiguity.tolerance_px = node.at("tolerance_px").number();
+  advice.ambiguity.single_candidate_share = node.at("single_candidate_share").number();
+  if (const auto turn = node.find("best_turn")) {
+    advice.best_turn = TurnedPattern{turn->at("turn_rad").number(), turn->at("single_candidate_share").number()};
+  }
+  const JsonNode pairs = node.at("ambiguous_pairs");
+  for (std::size_t i = 0; i < pairs.array_size(); ++i) {
+    const JsonNode pair = pairs[i];
+    const JsonNode beams = pair.at("beams");
+    beams.expect_array_size(2);
+    advice.ambiguity.pairs.push_back(
+        {label_from(beams[0], grid), label_from(beams[1], grid), pair.at("distance_px").number()});
+  }
+  return advice;
+}
+
 }  // namespace
 
 OrderedJson json_from_pattern(const LaserPattern& pattern) {
@@ -101,6 +160,7 @@ OrderedJson json_from_pattern(const LaserPattern& pattern) {
                    {"zero_order_row", pattern.zero_order_row},
                    {"zero_order_column", pattern.zero_order_column}};
   if (pattern.grating) json["grating"] = json_from_grating(*pattern.grating);
+  if (pattern.advice) json["label_advice"] = json_from_advice(*pattern.advice, pattern.grid);
   json["beams"] = OrderedJson::array();
   for (const LaserBeam& beam : pattern.beams) json["beams"].push_back(json_from_beam(beam));
   return json;
@@ -112,6 +172,7 @@ LaserPattern pattern_from(const JsonNode& node) {
   if (const auto row = node.find("zero_order_row")) pattern.zero_order_row = row->number();
   if (const auto column = node.find("zero_order_column")) pattern.zero_order_column = column->number();
   if (const auto grating = node.find("grating")) pattern.grating = grating_from(*grating);
+  if (const auto advice = node.find("label_advice")) pattern.advice = advice_from(*advice, pattern.grid);
   const JsonNode beams = node.at("beams");
   for (std::size_t i = 0; i < beams.array_size(); ++i) {
     const JsonNode beam = beams[i];

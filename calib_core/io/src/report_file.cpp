@@ -12,7 +12,7 @@ namespace raybundle {
 namespace {
 
 // In the order of the enumerations.
-constexpr const char* kFates[] = {"used", "outlier", "unprojectable", "view_set_aside"};
+constexpr const char* kFates[] = {"used", "outlier", "unprojectable", "view_set_aside", "unlabelled"};
 constexpr const char* kTerminations[] = {"converged", "iteration_limit", "failed"};
 constexpr const char* kScopes[] = {"view", "extrinsics"};
 
@@ -89,6 +89,42 @@ OrderedJson json_from_poses(const CalibrationProblem& problem, const std::vector
   return json;
 }
 
+// One row for each dot of a view: pixel, row and column of its beam or null, residual, fate.
+OrderedJson json_from_dots(const LaserGrid& grid, const TargetView& view, const ViewResult& result) {
+  OrderedJson rows = OrderedJson::array();
+  for (std::size_t i = 0; i < std::min(view.dots.size(), result.dot_fates.size()); ++i) {
+    const int beam = result.beam_of_dot[i];
+    OrderedJson row = OrderedJson::array({view.dots[i].pixel.x(), view.dots[i].pixel.y()});
+    row.push_back(beam < 0 ? OrderedJson() : OrderedJson(grid.row(beam)));
+    row.push_back(beam < 0 ? OrderedJson() : OrderedJson(grid.column(beam)));
+    for (int k = 0; k < 2; ++k) row.push_back(result.dot_residuals_px[i][k]);
+    row.push_back(static_cast<int>(result.dot_fates[i]));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+OrderedJson json_from_laser_summary(const LaserSummary& laser) {
+  OrderedJson parameters = OrderedJson::array();
+  for (const DraggedParameter& parameter : laser.parameters) {
+    parameters.push_back({{"name", parameter.name},
+                          {"without_dots", parameter.without},
+                          {"with_dots", parameter.with},
+                          {"sigma_without_dots", parameter.sigma_without}});
+  }
+  return {{"dots_used", laser.dots_used},
+          {"dots_outlier", laser.dots_outlier},
+          {"dots_unlabelled", laser.dots_unlabelled},
+          {"dots_unused", laser.dots_unused},
+          {"rms_px", laser.rms_px},
+          {"sigma_scale", laser.sigma_scale},
+          {"grating_rms_rad", laser.grating_rms_rad},
+          {"beams_with_prior", laser.beams_with_prior},
+          {"label_origin", laser.label_origin},
+          {"drag_sigmas", laser.drag_sigmas()},
+          {"parameters", parameters}};
+}
+
 // One row for each observation; a residual that does not exist becomes null.
 OrderedJson json_from_view(const CalibrationProblem& problem, const TargetView& view, const ViewResult& result) {
   OrderedJson rows = OrderedJson::array();
@@ -108,6 +144,7 @@ OrderedJson json_from_view(const CalibrationProblem& problem, const TargetView& 
                    {"pose", result.pose},
                    {"rms_px", result.rms_px}};
   json["observations"] = rows;
+  if (!view.dots.empty() && problem.laser) json["dots"] = json_from_dots(problem.laser->grid, view, result);
   return json;
 }
 
@@ -123,7 +160,7 @@ OrderedJson json_from_views(const CalibrationProblem& problem, const Calibration
 
 std::string text_from_report(const CalibrationProblem& problem, const CalibrationResult& result,
                              const ReportExtra& extra) {
-  const OrderedJson json{
+  OrderedJson json{
       {"format", "raybundle report"},
       {"version", 1},
       {"rms_px", result.rms_px},
@@ -142,6 +179,10 @@ std::string text_from_report(const CalibrationProblem& problem, const Calibratio
       {"observation_columns", {"point_id", "u_px", "v_px", "sigma_px", "residual_u_px", "residual_v_px", "fate"}},
       {"views", json_from_views(problem, result)},
       {"provenance", json_from_provenance(extra.provenance)}};
+  if (result.laser) {
+    json["laser"] = json_from_laser_summary(*result.laser);
+    json["dot_columns"] = {"u_px", "v_px", "row", "column", "residual_u_px", "residual_v_px", "fate"};
+  }
   return pretty_text(json, {"views"});
 }
 

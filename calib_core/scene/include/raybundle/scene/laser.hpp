@@ -3,6 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -56,6 +58,16 @@ struct Grating {
 /// The beam of order (m, n), in the rig frame; nullopt where the order does not leave the grating (|c| >= 1).
 std::optional<Line3> beam_of_order(const Grating& grating, double m, double n);
 
+/// Depths at which a calibration states how well a dot's depth is known [m].
+inline constexpr std::array kStatedDepthsM{0.3, 0.5, 1.0, 1.5};
+
+/// How well a dot's depth, along z of the rig's first camera, is known where camera and beam meet.
+struct BeamDepth {
+  double sigma_m = std::numeric_limits<double>::quiet_NaN();  ///< of the calibration; NaN: the camera does not see it
+  double per_px_m =
+      std::numeric_limits<double>::quiet_NaN();  ///< of a dot that is off by a pixel along its epipolar line
+};
+
 /// A calibrated beam. `covariance` is that of the motion of perturbed(line, .): two offsets [m], two slopes [rad];
 /// `line.point` lies amid the places where the board met the beam, where offsets and slopes are least correlated.
 struct LaserBeam {
@@ -66,6 +78,33 @@ struct LaserBeam {
   int hits = 0;                ///< dots that determined it
   double nearest_hit_m = 0.0;  ///< range of the hits along the line, from the point nearest to the rig's origin
   double farthest_hit_m = 0.0;
+  std::array<BeamDepth, kStatedDepthsM.size()> depths = {};  ///< at kStatedDepthsM
+};
+
+/// Two beams whose dots can lie at the same place of the image, so that one dot alone does not tell them apart.
+struct AmbiguousBeams {
+  int first = 0;  ///< LaserGrid::index; first < second
+  int second = 0;
+  double distance_px = 0.0;  ///< between their curves in the image, at the closest
+};
+
+/// How well single dots tell the beams of a pattern apart in one camera's image.
+struct BeamAmbiguity {
+  double tolerance_px = 0.0;            ///< distance up to which a dot may belong to a beam's curve
+  std::vector<AmbiguousBeams> pairs;    ///< sorted; those within the tolerance somewhere
+  double single_candidate_share = 1.0;  ///< of the dots, over beams and inverse depths: only one beam is in question
+};
+
+/// A turn of the lattice about its own axis and the ambiguity that it would have.
+struct TurnedPattern {
+  double turn_rad = 0.0;  ///< from how the pattern is now, in (-45°, 45°]
+  double single_candidate_share = 0.0;
+};
+
+/// What is to be known before dots are labelled at runtime, in the image of the rig's first camera.
+struct LabelAdvice {
+  BeamAmbiguity ambiguity;  ///< at the advised tolerance
+  std::optional<TurnedPattern> best_turn;
 };
 
 /// All calibrated beams of a projector. A beam that nothing determined is not in the list.
@@ -75,6 +114,7 @@ struct LaserPattern {
   std::optional<Grating> grating;  ///< the common model, where the beams follow one
   double zero_order_row = 0.0;     ///< row and column of order (0, 0): orders are m = column - zero_order_column, ...
   double zero_order_column = 0.0;
+  std::optional<LabelAdvice> advice = {};
 };
 
 }  // namespace raybundle

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,10 @@ struct ViewResult {
   std::vector<Eigen::Vector2d> residuals_px;  ///< measured minus projected; NaN where there is none
   std::vector<ObservationFate> fates;
   double rms_px = 0.0;  ///< of the used observations: root of the mean squared distance
+
+  std::vector<int> beam_of_dot;  ///< aligned with TargetView::dots: the label, or kUnlabelled; as are the next two
+  std::vector<Eigen::Vector2d> dot_residuals_px;  ///< measured minus predicted; NaN where there is none
+  std::vector<ObservationFate> dot_fates;
 };
 
 /// A view, or the tie between the cameras of a frame, that was not used, and why.
@@ -55,6 +60,32 @@ struct CameraSummary {
   int corners_outlier = 0;
 };
 
+/// A camera's parameter without and with the dots in the solve.
+struct DraggedParameter {
+  std::string name;
+  double without = 0.0;
+  double with = 0.0;
+  double sigma_without = 0.0;
+};
+
+/// How the dots of a laser fared, and what they did to the cameras.
+struct LaserSummary {
+  int dots_used = 0;
+  int dots_outlier = 0;
+  int dots_unlabelled = 0;
+  int dots_unused = 0;           ///< in views that were set aside, or of beams that too few dots determine
+  double rms_px = 0.0;           ///< of the used dots: root of the mean squared distance
+  double sigma_scale = 1.0;      ///< robust size of the dots' residuals over their stated sigmas
+  double grating_rms_rad = 0.0;  ///< angle between the beams and the grating's common model, root mean square
+  int beams_with_prior = 0;  ///< that the grating's model had to support: fewer than 6 hits, or less than 0.3 m deep
+  std::string label_origin;  ///< what fixed the origin of the labels, in words
+  std::vector<DraggedParameter> parameters;  ///< of the cameras, those that are free
+
+  /// Largest move of a parameter, in its sigmas without the dots. More information moves an estimate by less than its
+  /// sigma; beyond 4 the dots contradict the corners.
+  double drag_sigmas() const;
+};
+
 enum class Termination { kConverged, kIterationLimit, kFailed };
 
 /// Seconds that a stage of the work took.
@@ -70,8 +101,9 @@ struct CalibrationResult {
   std::vector<ViewResult> views;       ///< aligned with CalibrationProblem::views
   std::vector<CameraSummary> cameras;  ///< aligned with CalibrationProblem::cameras
   std::vector<SetAside> set_aside;
-  double rms_px = 0.0;           ///< over all cameras
-  double variance_factor = 1.0;  ///< chi² per degree of freedom; the covariance has been multiplied by it
+  std::optional<LaserSummary> laser;  ///< of a problem with dots
+  double rms_px = 0.0;                ///< over all cameras
+  double variance_factor = 1.0;       ///< chi² per degree of freedom; the covariance has been multiplied by it
   Termination termination = Termination::kFailed;
   int iterations = 0;
   std::string gauge;  ///< what fixes the frame and the scale, in words
