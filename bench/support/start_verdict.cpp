@@ -38,6 +38,13 @@ BundleState state_of(const CalibrationResult& result) {
   return state;
 }
 
+BundleSummary solve_to_the_end(const CalibrationProblem& problem, BundleState& state, bool estimate_shape = false) {
+  BundleOptions options;
+  options.estimate_shape = estimate_shape;
+  options.max_iterations = 500;
+  return solve_bundle(problem, state, options);
+}
+
 /// Rays of the right corners through the true camera.
 std::vector<Eigen::Vector3d> right_rays(const RandomRig& rig) {
   std::vector<Eigen::Vector3d> rays;
@@ -54,14 +61,41 @@ std::vector<Eigen::Vector3d> right_rays(const RandomRig& rig) {
 
 bool bent(const BoardShape& shape) { return shape.bend_x_m != 0 || shape.bend_y_m != 0 || shape.twist_m != 0; }
 
-/// Share of the right corners that an answer uses; views that are wrong for the most part may go.
+/// Whether a view's right corners lie on one line of the board, which leaves its pose open.
+bool on_one_line(const RandomRig& rig, std::size_t v) {
+  const TargetView& view = rig.problem.views[v];
+  std::vector<Eigen::Vector3d> points;
+  for (std::size_t i = 0; i < view.observations.size(); ++i) {
+    if (rig.truth.fates[v][i] != ObservationFate::kUsed) continue;
+    points.push_back(rig.problem.targets[0].find(view.observations[i].point_id)->x_in_target);
+  }
+  for (const Eigen::Vector3d& a : points) {
+    for (const Eigen::Vector3d& b : points) {
+      const Eigen::Vector3d side = a - points.front(), other = b - points.front();
+      if (side.cross(other).norm() > 1e-6 * side.norm() * other.norm()) return false;
+    }
+  }
+  return true;
+}
+
+bool may_have_pose(const RandomRig& rig, std::size_t v) {
+  return std::ranges::count(rig.truth.fates[v], ObservationFate::kUsed) >= 4 && !on_one_line(rig, v);
+}
+
+/// Whether an answer must use the view: one that is wrong for the most part, or whose corners lie on one line, may go.
+bool must_be_used(const RandomRig& rig, std::size_t v) {
+  const std::vector<ObservationFate>& fates = rig.truth.fates[v];
+  const auto right = static_cast<std::size_t>(std::ranges::count(fates, ObservationFate::kUsed));
+  return may_have_pose(rig, v) && 2 * right > fates.size() + 1;
+}
+
+/// Share of the right corners that an answer uses, of the views that it must use.
 double right_kept(const RandomRig& rig, const BundleState& answer) {
   double right = 0.0, kept = 0.0;
   for (std::size_t v = 0; v < rig.truth.fates.size(); ++v) {
     const std::vector<ObservationFate>& fates = rig.truth.fates[v];
-    const auto used = static_cast<std::size_t>(std::ranges::count(fates, ObservationFate::kUsed));
-    if (used < 4 || 2 * used <= fates.size() + 1) continue;
-    right += static_cast<double>(used);
+    if (!must_be_used(rig, v)) continue;
+    right += static_cast<double>(std::ranges::count(fates, ObservationFate::kUsed));
     for (std::size_t i = 0; i < fates.size(); ++i) {
       kept += fates[i] == ObservationFate::kUsed && answer.fates[v][i] == ObservationFate::kUsed;
     }
@@ -76,8 +110,7 @@ double truth_cost_of(const RandomRig& rig, const BundleState& answer) {
   for (std::size_t v = 0; v < state.pose_of_view.size(); ++v) {
     if (answer.pose_of_view[v] < 0) state.pose_of_view[v] = -1;
   }
-  const BundleOptions options{.estimate_shape = bent(answer.shapes[0]), .max_iterations = 500};
-  return solve_bundle(rig.problem, state, options).final_cost;
+  return solve_to_the_end(rig.problem, state, bent(answer.shapes[0])).final_cost;
 }
 
 template <typename... Values>
@@ -91,7 +124,7 @@ std::string text(const char* format, Values... values) {
 
 TruthStart start_from_truth(const RandomRig& rig) {
   TruthStart start{.optimum = rig.truth};
-  start.cost = solve_bundle(rig.problem, start.optimum, {.max_iterations = 500}).final_cost;
+  start.cost = solve_to_the_end(rig.problem, start.optimum).final_cost;
   start.projection_sigma_px = std::numeric_limits<double>::infinity();
   ReducedInformation information = reduced_information(rig.problem, start.optimum);
   information.chi2 = std::max(0, information.residuals - information.parameters);  // the noise is known
@@ -99,6 +132,10 @@ TruthStart start_from_truth(const RandomRig& rig) {
   if (known.unseen) return start;
   const Camera& camera = start.optimum.cameras[0];
   start.projection_sigma_px = bench::projection_sigma_px(camera, known.covariance.matrix, right_rays(rig));
+  // Fewer than three views are refused whatever they tell: nothing would be left to hold an answer against.
+  int views = 0;
+  for (std::size_t v = 0; v < rig.problem.views.size(); ++v) views += may_have_pose(rig, v);
+  if (views < 3) return start;
   start.determined = start.projection_sigma_px < kUndeterminedShare * std::max(camera.size.width, camera.size.height);
   return start;
 }
@@ -146,6 +183,15 @@ Judgement judge_start(const RandomRig& rig, const TruthStart& truth) {
     judgement.why = error.what();
   }
   return judgement;
+}
+
+bool reaches(const RandomRig& rig, const TruthStart& truth, const std::optional<BundleState>& answer) {
+  if (!answer) return false;
+  BundleState state = *answer;
+  mark_projectable(rig.problem, state);
+  if (state.fates != rig.truth.fates) return false;  // corners that the answer cannot even project
+  const BundleSummary summary = solve_to_the_end(rig.problem, state);
+  return summary.termination != Termination::kFailed && summary.final_cost <= truth.cost * (1.0 + kSameCost) + 1e-9;
 }
 
 }  // namespace raybundle::bench

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "random_rig.hpp"
@@ -43,6 +44,9 @@ struct Judgement {
 
 /// Calibrates the rig from its observations alone and holds the answer against the truth's.
 Judgement judge_start(const RandomRig& rig, const TruthStart& truth);
+
+/// Whether a solve that goes on from a peer's answer, with the right corners only, reaches the optimum of the truth.
+bool reaches(const RandomRig& rig, const TruthStart& truth, const std::optional<BundleState>& answer);
 
 /// projection_difference_px of the true camera over the rays of the right corners.
 double projection_error_px(const RandomRig& rig, const Camera& camera);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cameras_alone.hpp"
 
+#include "lens_certainty.hpp"
 #include "local_optima.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/initialize/camera_start.hpp"
@@ -28,6 +29,7 @@ void solve_camera_alone(const CalibrationProblem& problem, int camera, const Cal
   if (give_second_chance(single.problem, state, options, reasons)) solve_robustly(single.problem, state, options);
   const BundleSummary solved = solve_without_outliers(single.problem, state, options, false, reasons);
   alone.summaries[camera] = leave_local_optima(single.problem, state, options, reasons, solved);
+  if (problem.cameras.size() == 1) refuse_open_lens(single.problem, state);
   alone.cameras[camera] = state.cameras[0];
   std::vector<std::optional<Rigid3>> mirrored(single.views.size());
   if (problem.cameras.size() > 1) mirrored = mirrored_boards(single.problem, state);

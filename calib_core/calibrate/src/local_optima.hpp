@@ -21,6 +21,9 @@ namespace raybundle {
 BundleSummary leave_local_optima(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
                                  std::vector<std::string>& reasons, const BundleSummary& solved);
 
+/// Rays of corners in use, spread over the views, through the solved camera: some hundreds of them.
+std::vector<Eigen::Vector3d> rays_seen(const CalibrationProblem& single, const BundleState& state);
+
 /// The poses from which the boards look nearly the same to their camera; other cameras of a rig may know better.
 ///
 /// @param single  a problem with one camera, solved

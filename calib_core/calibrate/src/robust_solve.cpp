@@ -96,22 +96,34 @@ void mark_view(const CalibrationProblem& problem, BundleState& state, int view, 
 }  // namespace
 
 std::vector<double> robust_sigmas(const CalibrationProblem& problem, const BundleState& state) {
+  std::vector<int> views_of_pose(state.poses.size(), 0);
+  for (const int pose : state.pose_of_view) {
+    if (pose >= 0) ++views_of_pose[pose];
+  }
   std::vector<std::vector<double>> distances(problem.cameras.size());
+  std::vector<double> unknowns(problem.cameras.size(), 0.0);
   for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
     if (state.pose_of_view[v] < 0) continue;
     std::vector<double>& of_camera = distances[problem.views[v].camera];
     const std::vector<double> of_view = whitened_distances(problem, state, v);
     of_camera.insert(of_camera.end(), of_view.begin(), of_view.end());
+    unknowns[problem.views[v].camera] += 6.0 / views_of_pose[state.pose_of_view[v]];
   }
   std::vector<double> sigmas;
-  for (std::vector<double>& of_camera : distances) sigmas.push_back(median(of_camera) / kRayleighMedian);
+  for (std::size_t c = 0; c < distances.size(); ++c) {
+    const double values = 2.0 * static_cast<double>(distances[c].size());
+    const double free = values - unknowns[c] - static_cast<double>(state.cameras[c].parameters.size());
+    const double fitted = free > 0.25 * values ? std::sqrt(values / free) : 2.0;
+    sigmas.push_back(fitted * median(distances[c]) / kRayleighMedian);
+  }
   return sigmas;
 }
 
 std::string outlier_rule(const CalibrateOptions& options) {
   return fmt::format(
       "corners farther from their projection than {:g} robust sigmas of their camera (median distance / 1.1774, in "
-      "units of each corner's own sigma) are left out; a view with more than half of its corners left out, or fewer "
+      "units of each corner's own sigma, times the root of values per degree of freedom) are left out; a view with "
+      "more than half of its corners left out, or fewer "
       "than {} in use, is set aside",
       options.outlier_sigma, kFewestCorners);
 }

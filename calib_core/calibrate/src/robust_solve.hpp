@@ -11,7 +11,8 @@
 namespace raybundle {
 
 /// Robust standard deviation of each camera's whitened residuals per coordinate: the median distance over that of a
-/// standard normal in two dimensions (1.1774). infinite for a camera without used views.
+/// standard normal in two dimensions (1.1774), and that times the root of values per degree of freedom: the lens and
+/// the poses fit a part of the noise, of views with few corners most of it. Infinite for a camera without used views.
 std::vector<double> robust_sigmas(const CalibrationProblem& problem, const BundleState& state);
 
 /// The outlier rule in words, as the report prints it.

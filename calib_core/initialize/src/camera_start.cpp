@@ -175,7 +175,8 @@ PosedViews find_lens(const ProblemCamera& camera, const CameraViews& all) {
   if (views.size() < 3) {
     throw Error(ErrorKind::kNotEnoughData,
                 "only " + std::to_string(views.size()) + " of " + std::to_string(all.corners.size()) +
-                    " views show four corners or more, and a lens needs three; take more images of the board",
+                    " views show four corners or more that do not lie on one line, and a lens needs two at the very "
+                    "least; take more images of the board",
                 "camera " + camera.name);
   }
   std::vector<PointsInView> chosen;

@@ -46,15 +46,20 @@ std::vector<Camera> twin_cameras(const Camera& camera, const std::vector<Eigen::
   here.poses_fixed = true;
   here.max_iterations = 0;
   here.with_information = true;
-  LensVector parameters = camera.parameters;
   std::vector<Rigid3> identity(1);
-  const LensMatrix information = refine_lens(lens, {field}, here, parameters, identity).information;
+  const auto information_at = [&](LensVector parameters) {
+    return refine_lens(lens, {field}, here, parameters, identity).information;
+  };
+  const LensMatrix information = information_at(camera.parameters);
   for (const LensVector& other : model_fits(camera.model, field, camera.parameters)) {
     const auto count = static_cast<double>(field.points.size());
     const double seen_px = std::sqrt(sum_of_squares(lens, other, field, Rigid3{}) / count);
     const LensVector step = other - LensVector(camera.parameters);
-    const double predicted_px = std::sqrt(std::max(0.0, step.dot(information * step)) / count);
-    if (!(seen_px < kAlikePx) || predicted_px < kFarPx || predicted_px < kFarTimes * seen_px) continue;
+    if (!(seen_px < kAlikePx)) continue;
+    // From both ends: between twins lies a place, perhaps this one, where the step moves no pixel at first.
+    const double predicted2 = std::max(step.dot(information * step), step.dot(information_at(other) * step));
+    const double predicted_px = std::sqrt(std::max(0.0, predicted2) / count);
+    if (predicted_px < kFarPx || predicted_px < kFarTimes * seen_px) continue;
     const bool known = std::ranges::any_of(twins, [&](const Camera& twin) {
       const LensVector apart = other - LensVector(twin.parameters);
       return apart.norm() < 0.1 * step.norm();

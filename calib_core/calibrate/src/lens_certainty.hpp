@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "raybundle/bundle/bundle.hpp"
+
+namespace raybundle {
+
+/// How well a solved camera knows where it projects the corners that it has seen: root mean square [px] of what the
+/// covariance of its intrinsics says, less the common turn that the boards' poses take up.
+double projection_sigma_px(const CalibrationProblem& single, const BundleState& state);
+
+/// Refuses a lens of a camera by itself that the views leave open by more than 2 % of the image.
+///
+/// @throws Error(kNotEnoughData)
+void refuse_open_lens(const CalibrationProblem& single, const BundleState& state);
+
+}  // namespace raybundle
