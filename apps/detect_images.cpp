@@ -45,17 +45,20 @@ std::vector<std::vector<CachedFrame>> detect_files(const Dataset& dataset, const
       index.push_back(i);
     }
   }
+  // Kept as soon as a file is done: whoever interrupts a long run goes on from there.
+  const auto keep = [&](std::size_t t) {
+    if (options.use_cache) write_cached(keys[index[t]], found[index[t]]);
+  };
   const std::vector<std::string> reasons = for_each_frame(
-      todo, options.threads, "detecting", [&](std::size_t t, const cv::Mat& gray, const std::string& frame) {
+      todo, options.threads, "detecting",
+      [&](std::size_t t, const cv::Mat& gray, const std::string& frame) {
         CachedFrame entry{frame, gray.cols, gray.rows, {}};
         for (const Board& board : boards) entry.boards.push_back(detect(board, gray));
         found[index[t]].push_back(std::move(entry));
-      });
+      },
+      keep);
   unreadable.assign(files.size(), "");
-  for (std::size_t t = 0; t < todo.size(); ++t) {
-    unreadable[index[t]] = reasons[t];
-    if (reasons[t].empty() && options.use_cache) write_cached(keys[index[t]], found[index[t]]);
-  }
+  for (std::size_t t = 0; t < todo.size(); ++t) unreadable[index[t]] = reasons[t];
   return found;
 }
 

@@ -149,7 +149,8 @@ std::string for_each_frame(const ImageFile& file,
 
 std::vector<std::string> for_each_frame(
     const std::vector<ImageFile>& files, int threads, const std::string& what,
-    const std::function<void(std::size_t file, const cv::Mat& gray, const std::string& frame)>& use) {
+    const std::function<void(std::size_t file, const cv::Mat& gray, const std::string& frame)>& use,
+    const std::function<void(std::size_t file)>& done) {
   std::vector<std::string> reasons(files.size());
   Progress progress(what, static_cast<int>(files.size()));
   std::atomic<std::size_t> next{0};
@@ -160,6 +161,8 @@ std::vector<std::string> for_each_frame(
       try {
         reasons[i] =
             for_each_frame(files[i], [&](const cv::Mat& gray, const std::string& frame) { use(i, gray, frame); });
+        const std::scoped_lock lock(guard);
+        if (reasons[i].empty() && done) done(i);
       } catch (...) {
         const std::scoped_lock lock(guard);
         if (!failure) failure = std::current_exception();

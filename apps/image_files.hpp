@@ -39,9 +39,11 @@ std::string for_each_frame(const ImageFile& file,
 /// The same for many files on several threads; `use` is called from all of them. Memory is bounded by the threads.
 ///
 /// @param what  of the progress bar
+/// @param done  called for each file that could be read, behind its last frame; one call at a time
 /// @return      aligned with files: why a file could not be read, or empty
 std::vector<std::string> for_each_frame(
     const std::vector<ImageFile>& files, int threads, const std::string& what,
-    const std::function<void(std::size_t file, const cv::Mat& gray, const std::string& frame)>& use);
+    const std::function<void(std::size_t file, const cv::Mat& gray, const std::string& frame)>& use,
+    const std::function<void(std::size_t file)>& done = {});
 
 }  // namespace raybundle::apps

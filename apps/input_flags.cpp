@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 
+#include "misnumbered_views.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/observation_tables.hpp"
 #include "raybundle/targets/board_file.hpp"
@@ -132,6 +133,7 @@ DetectedImages observe(const InputFlags& flags, const Dataset& dataset) {
   if (flags.observations.empty()) {
     DetectedImages images = detect_images(dataset, detect_options(flags, dataset));
     leave_out_repeated_views(images);
+    leave_out_misnumbered_views(images);
     return images;
   }
   DetectedImages images;
@@ -163,6 +165,7 @@ DetectedImages observe(const InputFlags& flags, const Dataset& dataset) {
     if (file.models[c]) file.problem.cameras[c].model = *file.models[c];
   }
   leave_out_repeated_views(images);
+  leave_out_misnumbered_views(images);
   return images;
 }
 

@@ -87,27 +87,41 @@ int add_predicted_corners(const Dataset& dataset, const CalibrationResult& resul
     std::string image;
     std::vector<Observation> corners;
   };
+  // The pose of a board that lacks corners in an image; nullptr when it has all of them, or nobody knows where it was.
+  const auto pose_of_incomplete = [&](const ViewKey& key) -> const BoardPose* {
+    const auto view = views.find(key);
+    const std::size_t known = view == views.end() ? 0 : problem.views[view->second].observations.size();
+    if (known == problem.targets[std::get<2>(key)].points.size()) return nullptr;
+    return pose_of(result, views, key);
+  };
+  std::vector<ImageFile> files;  // to be read again: not those in which nothing is missing
+  for (const ImageFile& file : images.files) {
+    bool any = file.video;
+    const auto frame = frames.find(file.frame);
+    for (int t = 0; frame != frames.end() && t < static_cast<int>(problem.targets.size()); ++t) {
+      any = any || pose_of_incomplete({file.camera, frame->second, t}) != nullptr;
+    }
+    if (any) files.push_back(file);
+  }
   std::mutex guard;
   std::map<ViewKey, Refined> refined;
   const auto refine = [&](std::size_t file, const cv::Mat& gray, const std::string& frame) {
-    const int c = images.files[file].camera;
+    const int c = files[file].camera;
     const auto camera = cameras.find(problem.cameras[c].name);
     if (camera == cameras.end()) return;
     for (int t = 0; t < static_cast<int>(problem.targets.size()); ++t) {
       const ViewKey key{c, frames.at(frame), t};
-      const BoardPose* pose = pose_of(result, views, key);
-      const auto view = views.find(key);
-      const std::size_t known = view == views.end() ? 0 : problem.views[view->second].observations.size();
-      if (pose == nullptr || known == problem.targets[t].points.size()) continue;
+      const BoardPose* pose = pose_of_incomplete(key);
+      if (pose == nullptr) continue;
       const RigCamera& rig_camera = *camera->second;
       const std::vector<Observation> predicted =
           predict(rig_camera.camera, rig_camera.camera_from_rig * pose->rig_from_target, result.calibration.targets[t]);
       std::vector<Observation> corners = refine_predicted(dataset.boards[t].board, gray, predicted);
       const std::scoped_lock lock(guard);
-      refined[key] = {images.files[file].path, std::move(corners)};
+      refined[key] = {files[file].path, std::move(corners)};
     }
   };
-  for_each_frame(images.files, options.threads, "refining", refine);
+  for_each_frame(files, options.threads, "refining", refine);
 
   int added = 0;
   for (const auto& [key, found] : refined) {

@@ -156,6 +156,92 @@ TEST_F(BadData, ColumnsInTheWrongOrder) {
   refuses(raybundle_program(arguments("swapped.csv")), {"camera camera0", "u and v were swapped"});
 }
 
+// The views of a problem, some of them spoilt; and the problem without those.
+struct SpoiltViews {
+  CalibrationProblem problem, without;
+
+  SpoiltViews(const CalibrationProblem& good, const std::vector<std::size_t>& views,
+              const std::function<void(TargetView&)>& spoil)
+      : problem(good), without(good) {
+    for (const std::size_t v : views) spoil(problem.views[v]);
+    for (std::size_t v = good.views.size(); v-- > 0;) {
+      if (std::ranges::find(views, v) != views.end()) without.views.erase(without.views.begin() + static_cast<int>(v));
+    }
+  }
+};
+
+// Such a view fits as a board seen from behind, so that no residual would show it.
+TEST_F(BadData, MirroredViewsAreNamedAndLeftOut) {
+  const CalibrationProblem good = world().problem;
+  const auto mirror_image = [](TargetView& view) {
+    for (Observation& corner : view.observations) corner.pixel.x() = 1279.0 - corner.pixel.x();
+  };
+  const auto swap_axes = [](TargetView& view) {
+    for (Observation& corner : view.observations) corner.pixel = {1.2 * corner.pixel.y(), 0.7 * corner.pixel.x()};
+  };
+  const auto mirror_board = [](TargetView& view) {
+    for (Observation& corner : view.observations) corner.point_id += 8 - 2 * (corner.point_id % 9);
+  };
+  for (const auto& spoil : std::vector<std::function<void(TargetView&)>>{mirror_image, swap_axes, mirror_board}) {
+    const SpoiltViews spoilt(good, {3, 7}, spoil);
+    told(spoilt.without);
+    const std::string expected = without_provenance(place / "out" / "calibration.json");
+    const std::string out = told(spoilt.problem);
+    for (const std::size_t v : {3, 7}) {
+      EXPECT_THAT(out, HasSubstr("frame " + good.frames[good.views[v].frame] + ": its corners are in mirror order"));
+    }
+    EXPECT_EQ(without_provenance(place / "out" / "calibration.json"), expected);
+  }
+}
+
+// A board of 7x5 corners whose corners were numbered as such, among those of the board that was asked for.
+TEST_F(BadData, ViewsOfABoardWithOtherRowsAndColumnsAreNamedAndLeftOut) {
+  const SpoiltViews spoilt(world().problem, {2, 5, 11}, [](TargetView& view) {
+    std::vector<Observation> numbered;
+    for (Observation corner : view.observations) {
+      const int column = corner.point_id % 9, row = corner.point_id / 9;
+      if (column >= 7 || row >= 5) continue;
+      corner.point_id = 7 * row + column;
+      numbered.push_back(corner);
+    }
+    view.observations = numbered;
+  });
+  told(spoilt.without);
+  const std::string expected = without_provenance(place / "out" / "calibration.json");
+  const std::string out = told(spoilt.problem);
+  EXPECT_THAT(out, HasSubstr("its corners do not lie in the order of the board"));
+  EXPECT_EQ(without_provenance(place / "out" / "calibration.json"), expected);
+}
+
+// A board of three quarters of the size in some frames: to one camera it is as if it were nearer, and nothing is wrong.
+TEST_F(BadData, BoardsOfTwoSizesAreNamed) {
+  SyntheticOptions options;
+  options.noise_px = 0.1;
+  options.frames = 12;
+  options.cameras.resize(2);
+  options.cameras[1].camera_from_rig.translation.x() = -0.1;
+  CalibrationProblem mixed = synthetic_world(options).problem;
+  options.square_m *= 0.75;
+  options.frames = 6;
+  options.seed = 2;
+  const CalibrationProblem small = synthetic_world(options).problem;
+  for (TargetView view : small.views) {
+    view.frame += 12;
+    mixed.views.push_back(view);
+  }
+  for (int f = 12; f < 18; ++f) mixed.frames.push_back("small" + std::to_string(f));
+  write_text(place / "mixed.csv", csv_of(mixed));
+  std::vector<std::string> words = arguments("mixed.csv");
+  words.insert(words.end(), {"--image-size", "camera1=1280x960"});
+  refuses(raybundle_program(words), {"by 6 frames (", "1.33", "a board of another size"});
+}
+
+TEST_F(BadData, RowsAndColumnsExchangedAreNamed) {
+  write_text(place / "corners.csv", csv_of(world().problem));
+  refuses(raybundle_program(arguments("corners.csv", "chessboard:7x9:40mm")),
+          {"camera camera0: in 14 of 14 views the corners do not lie in the order of", "rows and columns exchanged"});
+}
+
 TEST_F(BadData, ABoardInTheWrongUnitIsNamed) {
   const CalibrationProblem problem = world().problem;
   EXPECT_THAT(told(problem), Not(HasSubstr("unit")));

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "board_sizes.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "robust_solve.hpp"
 
@@ -57,6 +58,7 @@ void refuse_unrelated_images(const CalibrationProblem& problem, const TieReview&
 // corners and must not bend the lenses: then the intrinsics stay what each camera alone tells.
 BundleSummary solve_rig(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
                         TieReview& ties) {
+  refuse_boards_of_other_sizes(problem, state);
   const CalibrationProblem rig_only = with_fixed_intrinsics(problem, state);
   solve_robustly(rig_only, state, options);
   const BundleState cameras_alone = state;
