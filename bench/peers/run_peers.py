@@ -184,11 +184,13 @@ def main():
     parser.add_argument("--budget-s", type=float, default=6, help="of all repetitions of one peer on one problem")
     parser.add_argument("--problems", default=".", help="regular expression of the problems' names")
     parser.add_argument("--peers", default=".", help="regular expression of the peers' names")
+    parser.add_argument("--keep", action="store_true", help="results of earlier runs of other problems")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "release")
     options = parser.parse_args()
     options.build = options.build.resolve()
     options.limit_s = options.limit_s or (120 if options.full else 20)
-    results = {}
+    stored = WORK / "results.json"
+    results = json.loads(stored.read_text()) if options.keep and stored.exists() else {}
     wanted = {n: flags for n, flags in problems(options.full).items() if re.search(options.problems, n)}
     for count, (name, flags) in enumerate(wanted.items(), 1):
         print(f"[{count}/{len(wanted)}] {name}", flush=True)
@@ -197,7 +199,7 @@ def main():
         known = json.loads((folder / "problem.json").read_text())
         results[name]["truth"] = {k: v for k, v in known.items() if k != "frames"}
         results[name]["truth"] |= {"limit_s": options.limit_s, "full": options.full}
-        (WORK / "results.json").write_text(json.dumps(results, indent=1) + "\n")
+        stored.write_text(json.dumps(results, indent=1) + "\n")
 
 
 if __name__ == "__main__":
