@@ -72,7 +72,8 @@ void Finder::fit(SpotCandidate& candidate, const Spot& start, const SpotShape& s
     candidate.fate = SpotFate::kSaturated;
   } else {
     SpotWindow window = spot_window(images_, start.pixel, sigma_px, others);
-    if (!images_.pair() && !take_even_surface(window, start.amplitude)) {
+    const bool even = take_even_surface(window, start.amplitude, images_.noise);
+    if (!images_.pair() && !even) {
       candidate.fate = SpotFate::kOnEdge;
       return;
     }
@@ -81,8 +82,8 @@ void Finder::fit(SpotCandidate& candidate, const Spot& start, const SpotShape& s
     candidate.fit.covariance_px2 *= std::max(1.0, candidate.fit.goodness);
     if (candidate.fate == SpotFate::kGood && window.contrast > 0.1) {
       std::ranges::fill(window.reflectance, 1.0);
-      const SpotFit even = fit_spot(window, candidate.fit.spot, shape, images_.noise);
-      const Eigen::Vector2d moved = kDistrust * (even.spot.pixel - candidate.fit.spot.pixel);
+      const SpotFit plain = fit_spot(window, candidate.fit.spot, shape, images_.noise);
+      const Eigen::Vector2d moved = kDistrust * (plain.spot.pixel - candidate.fit.spot.pixel);
       candidate.fit.covariance_px2 += moved * moved.transpose();
     }
   }
@@ -131,7 +132,9 @@ std::vector<const Spot*> others_near(const std::vector<SpotCandidate>& candidate
 std::vector<SpotCandidate> Finder::candidates(double sigma_px) const {
   SpotShape shape = round_shape(sigma_px, 0.5);
   std::vector<SpotCandidate> found;
-  for (const SpotPeak& peak : peaks(sigma_px, 0.9 * options_.least_significance)) {
+  // The difference of two images has twice the noise that the fit will have on even ground.
+  const double least = (images_.pair() ? 0.65 : 0.9) * options_.least_significance;
+  for (const SpotPeak& peak : peaks(sigma_px, least)) {
     found.push_back({.fit = {}, .peak = pixel_of(peak)});
     fit(found.back(), {found.back().peak, peak.amplitude, shape.precision}, shape, sigma_px, {});
   }

@@ -53,12 +53,13 @@ Normal Model::normal_at(const Vector& p) const {
   for (std::size_t i = 0; i < window.size(); ++i) {
     const double x = window.x[i] - p[1], y = window.y[i] - p[2];
     const double u = p[3] * x + p[4] * y, v = p[4] * x + p[5] * y;
-    const double unit = window.reflectance[i] * std::exp(-0.5 * (x * u + y * v));
+    const double bell = std::exp(-0.5 * (x * u + y * v)), unit = window.reflectance[i] * bell;
     const double light = p[0] * unit;
     const double slope_x = window.pair ? window.background[i] : window.x[i], slope_y = window.pair ? 0 : window.y[i];
     const double model = light + p[6] + p[7] * slope_x + p[8] * slope_y;
     // The background's own shot noise is in the variance already.
-    const double weight = 1 / (window.variance[i] + noise.shot_variance * std::max(0.0, light));
+    const double weight = 1 / (window.variance[i] + noise.shot_variance * std::max(0.0, light) +
+                               window.reflectance_variance * p[0] * p[0] * bell * bell);
     const double residual = window.signal[i] - model;
     row << unit, light * u, light * v, -0.5 * light * x * x, -light * x * y, -0.5 * light * y * y, 1, slope_x, slope_y;
     normal.cost += weight * residual * residual;
@@ -89,11 +90,12 @@ void judge(const SpotWindow& window, const GreyNoise& noise, const Vector& p, Sp
   for (std::size_t i = 0; i < window.size(); ++i) {
     if (!window.near[i]) continue;
     const double x = window.x[i] - p[1], y = window.y[i] - p[2];
-    const double light =
-        p[0] * window.reflectance[i] * std::exp(-0.5 * (p[3] * x * x + 2 * p[4] * x * y + p[5] * y * y));
+    const double full = p[0] * std::exp(-0.5 * (p[3] * x * x + 2 * p[4] * x * y + p[5] * y * y));
+    const double light = window.reflectance[i] * full;
     const double slope_x = window.pair ? window.background[i] : window.x[i], slope_y = window.pair ? 0 : window.y[i];
     const double residual = window.signal[i] - light - p[6] - p[7] * slope_x - p[8] * slope_y;
-    const double variance = window.variance[i] + noise.shot_variance * std::max(0.0, light);
+    const double variance =
+        window.variance[i] + noise.shot_variance * std::max(0.0, light) + window.reflectance_variance * full * full;
     chi += residual * residual / variance;
     excess += residual * residual - variance;
     ++count;
@@ -146,7 +148,11 @@ SpotFit fit_spot(const SpotWindow& window, const Spot& start, const SpotShape& s
   fit.spot.amplitude = p[0];
   fit.spot.precision << p[3], p[4], p[4], p[5];
   fit.covariance_px2 = covariance.block<2, 2>(1, 1);
-  fit.amplitude_sigma = std::sqrt(std::max(0.0, covariance(0, 0)));
+  Eigen::Matrix4d given_shape = normal.matrix.bottomRightCorner<4, 4>();
+  given_shape.row(0) << normal.matrix(0, 0), normal.matrix.row(0).tail<3>();
+  given_shape.col(0) = given_shape.row(0).transpose();
+  given_shape.bottomRightCorner<3, 3>() = normal.matrix.bottomRightCorner<3, 3>();
+  fit.amplitude_sigma = std::sqrt(std::max(0.0, given_shape.inverse()(0, 0)));
   judge(window, noise, p, fit);
   return fit;
 }

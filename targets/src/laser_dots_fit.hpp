@@ -23,9 +23,11 @@ struct SpotWindow {
   Eigen::Vector2d origin;  ///< [px] the offsets' zero
   double black = 0;
   std::vector<double> x, y, signal, variance, reflectance, background;
-  std::vector<char> near;  ///< within three sigmas
-  bool pair = false;
-  double contrast = 0;  ///< spread of the relative reflectance within three sigmas, 0 to 1
+  std::vector<char> near;           ///< within three sigmas
+  std::vector<char> rim;            ///< within three sigmas, beyond two
+  bool pair = false;                ///< the background is known from the laser-off image, and the reflectance
+  double reflectance_variance = 0;  ///< of the relative reflectances
+  double contrast = 0;              ///< spread of the relative reflectance within three sigmas, 0 to 1
 
   std::size_t size() const { return x.size(); }
 };
@@ -49,9 +51,9 @@ struct SpotFit {
 SpotWindow spot_window(const DotImages& images, const Eigen::Vector2d& pixel, double sigma_px,
                        const std::vector<const Spot*>& others);
 
-/// Without a laser-off image: whether the surroundings are one even surface. Pixels in them that are of another are
-/// taken out of the window.
-bool take_even_surface(SpotWindow& window, double amplitude);
+/// Whether a spot of this amplitude lies on an even surface. Then pixels of other surfaces around it are taken out of
+/// the window, and the background is not taken from the laser-off image, whose noise is as much as the spot's own.
+bool take_even_surface(SpotWindow& window, double amplitude, const GreyNoise& noise);
 
 SpotFit fit_spot(const SpotWindow& window, const Spot& start, const SpotShape& shape, const GreyNoise& noise);
 

@@ -10,8 +10,7 @@
 namespace raybundle {
 namespace {
 
-constexpr int kSmoothing = 5;         // pixels; side of the window in which the laser-off image may be smooth
-constexpr double kSureOfPrint = 1.3;  // times the noise's variance, above which a window shows print
+constexpr int kSmoothing = 5;  // pixels, of the grey value that tells the noise
 
 void check(const cv::Mat& on, const cv::Mat* off) {
   if (on.empty() || (on.type() != CV_8UC1 && on.type() != CV_16UC1)) {
@@ -36,28 +35,6 @@ double full_scale_of(const cv::Mat& on, const cv::Mat* off) {
   return 65535;
 }
 
-// Wiener's filter: keeps of the deviation from the local mean the share that noise does not explain.
-void smooth_off(const cv::Mat& off, const GreyNoise& noise, cv::Mat& smooth, cv::Mat& variance) {
-  cv::Mat mean, square;
-  cv::boxFilter(off, mean, CV_32F, {kSmoothing, kSmoothing});
-  cv::sqrBoxFilter(off, square, CV_32F, {kSmoothing, kSmoothing});
-  smooth.create(off.size(), CV_32F);
-  variance.create(off.size(), CV_32F);
-  const float read = static_cast<float>(noise.read_variance), shot = static_cast<float>(noise.shot_variance);
-  constexpr float pixels = kSmoothing * kSmoothing;
-  for (int y = 0; y < off.rows; ++y) {
-    const float *grey = off.ptr<float>(y), *average = mean.ptr<float>(y), *squares = square.ptr<float>(y);
-    float *out = smooth.ptr<float>(y), *left = variance.ptr<float>(y);
-    for (int x = 0; x < off.cols; ++x) {
-      const float expected = read + shot * std::max(0.0F, average[x]);
-      const float seen = std::max(squares[x] - average[x] * average[x], 1e-6F);
-      const float kept = std::max(0.0F, 1 - static_cast<float>(kSureOfPrint) * expected / seen);
-      out[x] = average[x] + kept * (grey[x] - average[x]);
-      left[x] = expected * (kept * kept + (1 - kept * kept) / pixels);
-    }
-  }
-}
-
 }  // namespace
 
 DotImages dot_images(const cv::Mat& on, const cv::Mat* off, const DotOptions& options) {
@@ -74,22 +51,15 @@ DotImages dot_images(const cv::Mat& on, const cv::Mat* off, const DotOptions& op
     images.variance.convertTo(images.variance, CV_32F, images.noise.shot_variance, images.noise.read_variance);
     return images;
   }
-  cv::Mat dark, variance;
-  off->convertTo(dark, CV_32F);
-  const double scale = background_scale(images.on, dark, images.black, full);
-  images.noise = noise_of(images.on, dark, scale, full);
-  smooth_off(dark, images.noise, images.background, variance);
+  off->convertTo(images.background, CV_32F);
+  const double scale = background_scale(images.on, images.background, images.black, full);
+  images.noise = noise_of(images.on, images.background, scale, full);
   images.background.convertTo(images.background, CV_32F, scale, images.black * (1 - scale));
   cv::subtract(images.on, images.background, images.signal);
-  // The laser-off image's own noise, and that of the background it predicts.
-  images.variance.create(on.size(), CV_32F);
-  for (int y = 0; y < on.rows; ++y) {
-    const float *level = images.background.ptr<float>(y), *left = variance.ptr<float>(y);
-    float* out = images.variance.ptr<float>(y);
-    const float read = static_cast<float>(images.noise.read_variance);
-    const float shot = static_cast<float>(images.noise.shot_variance), gain = static_cast<float>(scale * scale);
-    for (int x = 0; x < on.cols; ++x) out[x] = read + shot * std::max(0.0F, level[x]) + gain * left[x];
-  }
+  // Of a scaled image the shot noise is `scale` times as strong, the read noise its square.
+  cv::boxFilter(images.background, images.variance, CV_32F, {3, 3});
+  images.variance.convertTo(images.variance, CV_32F, images.noise.shot_variance * (1 + scale),
+                            images.noise.read_variance * (1 + scale * scale));
   return images;
 }
 

@@ -12,7 +12,7 @@ namespace raybundle {
 /// What the spots are measured in. All images are CV_32F; those of the background are empty without a laser-off image.
 struct DotImages {
   cv::Mat on;
-  cv::Mat background;     ///< the laser-off image, scaled, and smoothed where it shows nothing but noise
+  cv::Mat background;     ///< the laser-off image, scaled
   cv::Mat signal;         ///< on - background, or on
   cv::Mat variance;       ///< [grey²] of `signal` where there is no spot
   GreyNoise noise;        ///< of `on`

@@ -105,9 +105,9 @@ Block flat_median(std::vector<Block> bin) {
 
 GreyNoise noise_of(const cv::Mat& on, const cv::Mat& off, double scale, double full_scale) {
   const bool pair = !off.empty();
-  cv::Mat difference = on;
+  cv::Mat difference;
   if (pair) cv::scaleAdd(off, -scale, on, difference);
-  const std::vector<Block> blocks = blocks_of(difference, pair ? off : on, full_scale);
+  const std::vector<Block> blocks = blocks_of(pair ? difference : on, pair ? off : on, full_scale);
   if (blocks.empty()) return {};
   // What one image's read variance and shot variance contribute to the variance of the difference.
   const double read_share = pair ? 1 + scale * scale : 1.0;

@@ -3,17 +3,22 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "laser_dots_fit.hpp"
 
 namespace raybundle {
 namespace {
 
+constexpr double kRim = 2.0;              // sigmas
 constexpr double kNear = 3.0;             // sigmas of the spot: where its light is
 constexpr double kFar = 4.2;              // sigmas: where its background is still looked at
 constexpr double kSureReflectance = 8.0;  // sigmas of noise that ambient light must give for its reflectance to count
 constexpr double kOutlier = 4.0;          // sigmas
-constexpr double kEvenShare = 0.7;        // of the surroundings
+constexpr double kEvenShare = 0.45;       // of the surroundings, at least
+constexpr double kUnevenRim = 0.1;        // of the pixels near the spot, at most
+constexpr double kRimLight = 0.3;         // of the amplitude, two sigmas out
+constexpr double kSmallStep = 0.05;       // of the amplitude
 
 // Reflectance relative to the brightest pixel near the spot; 1 everywhere where ambient light shows too little of it.
 void set_reflectance(SpotWindow& window) {
@@ -29,6 +34,7 @@ void set_reflectance(SpotWindow& window) {
     if (window.near[i]) least = std::min(least, window.reflectance[i]);
   }
   window.contrast = sure ? 1 - least : 0;
+  window.reflectance_variance = sure ? variance / 2 / (most * most) : 0;
 }
 
 }  // namespace
@@ -54,6 +60,7 @@ SpotWindow spot_window(const DotImages& images, const Eigen::Vector2d& pixel, do
       window.variance.push_back(images.variance.at<float>(y, x));
       window.background.push_back(window.pair ? images.background.at<float>(y, x) : 0);
       window.near.push_back(squares <= std::pow(kNear * sigma_px, 2));
+      window.rim.push_back(window.near.back() && squares > std::pow(kRim * sigma_px, 2));
     }
   }
   window.reflectance.assign(window.size(), 1);
@@ -75,54 +82,97 @@ SpotWindow spot_window(const DotImages& images, const Eigen::Vector2d& pixel, do
   return window;
 }
 
-bool take_even_surface(SpotWindow& window, double amplitude) {
-  // A plane through what lies around the spot, by weights that fall to 0 for what is off it.
-  std::vector<std::size_t> around;
-  for (std::size_t i = 0; i < window.size(); ++i) {
-    if (!window.near[i]) around.push_back(i);
-  }
-  if (around.size() < 12) return false;
+namespace {
+
+// A plane through what lies around the spot, by weights that fall to 0 for what is off it.
+std::optional<Eigen::Vector3d> surface_around(const SpotWindow& window, const std::vector<double>& grey,
+                                              double tolerance) {
   std::vector<double> values;
-  for (const std::size_t i : around) values.push_back(window.signal[i]);
-  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
-  Eigen::Vector3d plane(values[values.size() / 2], 0, 0);
+  for (std::size_t i = 0; i < window.size(); ++i) {
+    if (!window.near[i]) values.push_back(grey[i]);
+  }
+  if (values.size() < 12) return std::nullopt;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  Eigen::Vector3d plane(*middle, 0, 0);
   for (double& value : values) value = std::abs(value - plane[0]);
-  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
-  // What is small beside the spot does not matter to it, however sure it is.
-  const double tolerance = kOutlier * std::sqrt(window.variance[0]) + 0.1 * amplitude;
-  double bound = std::max(tolerance, 3 * values[values.size() / 2]);
-  const auto row = [&](std::size_t i) { return Eigen::Vector3d(1, window.x[i], window.y[i]); };
-  for (int pass = 0; pass < 5; ++pass) {
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  std::ranges::nth_element(values, middle);
+  double bound = std::max(tolerance, 3 * *middle);
+  for (int pass = 0; pass < 4; ++pass) {
+    Eigen::Matrix3d normal = 1e-9 * Eigen::Matrix3d::Identity();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    for (const std::size_t i : around) {
-      const double share = (window.signal[i] - plane.dot(row(i))) / bound;
+    for (std::size_t i = 0; i < window.size(); ++i) {
+      if (window.near[i]) continue;
+      const Eigen::Vector3d row(1, window.x[i], window.y[i]);
+      const double share = (grey[i] - plane.dot(row)) / bound;
       if (std::abs(share) >= 1) continue;
-      const double weight = std::pow(1 - share * share, 2);
-      normal += weight * row(i) * row(i).transpose();
-      right += weight * window.signal[i] * row(i);
+      const double weight = (1 - share * share) * (1 - share * share);
+      normal += weight * row * row.transpose();
+      right += weight * grey[i] * row;
     }
-    if (normal(0, 0) < 4) return false;
-    plane = (normal + 1e-9 * Eigen::Matrix3d::Identity()).ldlt().solve(right);
+    if (normal(0, 0) < 4) return std::nullopt;
+    plane = normal.ldlt().solve(right);
     bound = std::max(tolerance, 0.6 * bound);
   }
-  std::size_t even = 0, kept = 0;
-  for (std::size_t i = 0; i < window.size(); ++i) {
-    const bool on_plane = std::abs(window.signal[i] - plane.dot(row(i))) < tolerance;
-    if (!window.near[i]) even += on_plane ? 1 : 0;
-    if (!window.near[i] && !on_plane) continue;
-    for (std::vector<double>* values_of :
+  return plane;
+}
+
+void keep(SpotWindow& window, const std::vector<char>& kept) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    if (!kept[i]) continue;
+    for (auto* values :
          {&window.x, &window.y, &window.signal, &window.variance, &window.reflectance, &window.background}) {
-      (*values_of)[kept] = (*values_of)[i];
+      (*values)[count] = (*values)[i];
     }
-    window.near[kept++] = window.near[i];
+    window.near[count] = window.near[i];
+    window.rim[count++] = window.rim[i];
   }
-  for (std::vector<double>* values_of :
+  for (auto* values :
        {&window.x, &window.y, &window.signal, &window.variance, &window.reflectance, &window.background}) {
-    values_of->resize(kept);
+    values->resize(count);
   }
-  window.near.resize(kept);
-  return static_cast<double>(even) >= kEvenShare * static_cast<double>(around.size());
+  window.near.resize(count);
+  window.rim.resize(count);
+}
+
+}  // namespace
+
+bool take_even_surface(SpotWindow& window, double amplitude, const GreyNoise& noise) {
+  // What is small beside the spot does not matter to it, however sure it is.
+  const std::vector<double>& grey = window.pair ? window.background : window.signal;
+  const double sigma = std::sqrt(window.variance.empty() ? 1.0 : window.variance[0]);
+  const double tolerance = kOutlier * sigma + kSmallStep * amplitude;
+  const std::optional<Eigen::Vector3d> plane = surface_around(window, grey, tolerance);
+  if (!plane) return false;
+  std::vector<char> kept(window.size(), 1);
+  int around = 0, even = 0, rim = 0, uneven = 0;
+  for (std::size_t i = 0; i < window.size(); ++i) {
+    const double off = grey[i] - plane->dot(Eigen::Vector3d(1, window.x[i], window.y[i]));
+    const bool on_plane = std::abs(off) < tolerance;
+    if (!window.near[i]) {
+      kept[i] = on_plane;
+      ++around;
+      even += on_plane;
+    } else if (window.pair || window.rim[i]) {
+      // The spot's own light reaches the rim a little.
+      const double own = window.pair ? 0 : kRimLight * amplitude;
+      ++rim;
+      uneven += off < -tolerance || off > tolerance + own;
+    }
+  }
+  if (even < kEvenShare * around || uneven > kUnevenRim * rim) return false;
+  if (window.pair) {
+    for (std::size_t i = 0; i < window.size(); ++i) {
+      window.signal[i] += window.background[i];
+      window.variance[i] = noise.variance((*plane)[0]);
+    }
+    std::ranges::fill(window.reflectance, 1.0);
+    window.reflectance_variance = window.contrast = 0;
+    window.pair = false;
+  }
+  keep(window, kept);
+  return true;
 }
 
 }  // namespace raybundle
