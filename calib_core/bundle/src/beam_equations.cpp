@@ -181,7 +181,7 @@ double NormalEquations::add_priors(const Unknowns& unknowns, const std::vector<P
 std::optional<Step> NormalEquations::step_with_beams(const Unknowns& unknowns, const Linearization& at, double radius) {
   std::optional<BlockStep> solved;
   const auto solve = [&](auto& elimination) {
-    if (elimination.reduce(at.system, radius, workers_) && elimination.factor(elimination.kept())) {
+    if (elimination.reduce(at.system, radius, workers_) && elimination.factor(elimination.kept(), workers_)) {
       solved = elimination.step(at.system);
     }
   };

@@ -46,7 +46,7 @@ void with_cheaper_elimination(const BlockSystem& system, const Function& functio
 template <int E, int K>
 void factor_first(Elimination<E, K>& elimination, const BlockSystem& system, int count, Workers& workers) {
   for (const double radius : {std::numeric_limits<double>::infinity(), 1e14, 1e12, 1e10, 1e8}) {
-    if (elimination.reduce(system, radius, workers) && elimination.factor(count)) return;
+    if (elimination.reduce(system, radius, workers) && elimination.factor(count, workers)) return;
   }
   throw Error(ErrorKind::kSolveFailed, "the normal equations of poses and beams are not positive definite");
 }
@@ -76,10 +76,7 @@ Eigen::MatrixXd parameter_information(const BlockSystem& system, Workers& worker
     const int parameters = system.parameters();
     factor_first(elimination, system, blocks, workers);
     const Eigen::MatrixXd& complement = elimination.complement();
-    Eigen::MatrixXd across = complement.block(0, blocks, blocks, parameters);
-    complement.topLeftCorner(blocks, blocks).template triangularView<Eigen::Upper>().transpose().solveInPlace(across);
     information = complement.block(blocks, blocks, parameters, parameters).template selfadjointView<Eigen::Upper>();
-    information -= across.transpose() * across;
   });
   return information;
 }

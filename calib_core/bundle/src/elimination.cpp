@@ -7,6 +7,7 @@
 #include <atomic>
 #include <numeric>
 
+#include "eliminate_rows.hpp"
 #include "tiles.hpp"
 
 namespace raybundle {
@@ -87,7 +88,7 @@ bool Elimination<E, K>::eliminate(const BlockSystem& system, int block) {
 
 template <int E, int K>
 void Elimination<E, K>::fill_complement(const BlockSystem& system, double radius) {
-  const auto size = static_cast<Eigen::Index>(panels_.size()) * kTile;
+  const auto size = static_cast<Eigen::Index>(panels_.size() + 1) * kTile;
   const int parameters = system.parameters();
   const BlockFamily<K>& kept = family<K>(system);
   complement_.setZero(size, size);
@@ -106,11 +107,9 @@ void Elimination<E, K>::fill_complement(const BlockSystem& system, double radius
 
 template <int E, int K>
 void Elimination<E, K>::subtract(int tile) {
-  // Tiles of the upper triangle, column by column.
-  int column = 0;
-  for (; tile > column; ++column) tile -= column + 1;
-  const Panel& left = panels_[tile];
-  const Panel& right = panels_[column];
+  const TilePlace place = tile_place(tile);
+  const Panel& left = panels_[place.row];
+  const Panel& right = panels_[place.column];
   thread_local std::vector<TileRows> common;
   common.clear();
   for (std::size_t l = 0, r = 0; l < left.blocks.size() && r < right.blocks.size();) {
@@ -122,7 +121,7 @@ void Elimination<E, K>::subtract(int tile) {
     l += next_left;
     r += next_right;
   }
-  subtract_products(common, E, &complement_(tile * kTile, column * kTile), complement_.rows());
+  subtract_products(common, E, &complement_(place.row * kTile, place.column * kTile), complement_.rows());
 }
 
 template <int E, int K>
@@ -142,19 +141,16 @@ bool Elimination<E, K>::reduce(const BlockSystem& system, double radius, Workers
 }
 
 template <int E, int K>
-bool Elimination<E, K>::factor(int count) {
-  Eigen::Ref<Eigen::MatrixXd> matrix = complement_.topLeftCorner(count, count);
-  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Upper> factor(matrix);
-  return factor.info() == Eigen::Success;
+bool Elimination<E, K>::factor(int count, Workers& workers) {
+  return eliminate_rows(complement_, count, columns_ + 1, workers);
 }
 
 template <int E, int K>
 BlockStep Elimination<E, K>::step(const BlockSystem& system) const {
-  const auto upper = complement_.topLeftCorner(columns_, columns_).template triangularView<Eigen::Upper>();
-  const Eigen::VectorXd gradient = complement_.col(columns_).head(columns_);
-  Eigen::VectorXd kept = -gradient;
-  upper.transpose().solveInPlace(kept);
-  upper.solveInPlace(kept);
+  // The factor U went over the gradient, too: U⁻ᵀ g stands in its column.
+  Eigen::VectorXd kept = -complement_.col(columns_).head(columns_);
+  const double kept_decrease = kept.squaredNorm();
+  complement_.topLeftCorner(columns_, columns_).template triangularView<Eigen::Upper>().solveInPlace(kept);
 
   BlockStep step;
   step.parameters = kept.tail(system.parameters());
@@ -179,7 +175,7 @@ BlockStep Elimination<E, K>::step(const BlockSystem& system) const {
   // With the gradient g and the damping D: (H + D) step = -g, hence -gᵀ step - stepᵀ H step / 2 is this.
   const double damped_square =
       (damping_.array() * eliminated.array().square()).sum() + (kept_damping_.array() * kept.array().square()).sum();
-  step.predicted_decrease = 0.5 * (damped_square + shifted_.squaredNorm() - gradient.dot(kept));
+  step.predicted_decrease = 0.5 * (damped_square + shifted_.squaredNorm() + kept_decrease);
   if constexpr (E == 6) {
     step.poses = std::move(eliminated);
     step.beams = std::move(kept_blocks);

@@ -57,16 +57,18 @@ class Elimination {
   /// @param radius  the diagonal is raised by its 1 / radius
   bool reduce(const BlockSystem& system, double radius, Workers& workers);
 
-  /// After reduce(): replaces the complement of the first kept unknowns by its Cholesky factor U; false when it is not
-  /// positive definite.
-  bool factor(int count);
+  /// After reduce(): eliminates the first kept unknowns too, as eliminate_rows() does; false when their complement is
+  /// not positive definite.
+  bool factor(int count, Workers& workers);
 
   /// After reduce() of the same system and factor(kept()).
   BlockStep step(const BlockSystem& system) const;
 
   int kept() const { return columns_; }  ///< kept unknowns: blocks, then parameters
   int first_parameter() const { return K * kept_blocks_; }
-  const Eigen::MatrixXd& complement() const { return complement_; }  ///< by the kept unknowns; upper triangle
+
+  /// By the kept unknowns, then the gradient; upper triangle.
+  const Eigen::MatrixXd& complement() const { return complement_; }
 
   /// Lower Cholesky factor of an eliminated block.
   const FactorE& block_factor(int block) const { return factors_[block]; }
@@ -95,7 +97,7 @@ class Elimination {
   Eigen::Matrix<double, E, Eigen::Dynamic> shifted_;  // L⁻¹ times the gradient, one column for each eliminated block
   Eigen::Matrix<double, E, Eigen::Dynamic> damping_;
   Eigen::VectorXd kept_damping_;
-  Eigen::MatrixXd complement_;  // of the kept unknowns, then the gradient; upper triangle, padded to whole tiles
+  Eigen::MatrixXd complement_;  // padded by at least a tile
 };
 
 extern template class Elimination<6, 4>;

@@ -14,8 +14,14 @@ constexpr int kColumns = 4;
 
 }  // namespace
 
+TilePlace tile_place(int tile) {
+  int column = 0;
+  for (; tile > column; ++column) tile -= column + 1;
+  return {tile, column};
+}
+
 RAYBUNDLE_TARGET_CLONES
-void subtract_products(const std::vector<TileRows>& pairs, int rows, double* tile, Eigen::Index stride) {
+void subtract_products(std::span<const TileRows> pairs, int rows, double* tile, Eigen::Index stride) {
   for (int first = 0; first < kTile; first += kColumns) {
     Lane sum[kColumns][3] = {};
     for (const TileRows& pair : pairs) {

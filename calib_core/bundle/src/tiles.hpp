@@ -3,7 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
+#include <span>
 
 namespace raybundle {
 
@@ -16,10 +16,17 @@ struct TileRows {
   const double* right;
 };
 
+/// Row and column, in tiles, of one of the tiles of an upper triangle, which are counted column by column.
+struct TilePlace {
+  int row;
+  int column;
+};
+TilePlace tile_place(int tile);
+
 /// tile -= Σ leftᵀ right over all `pairs` of `rows` consecutive rows each.
 ///
 /// @param tile    kTile × kTile, column by column
 /// @param stride  from column to column
-void subtract_products(const std::vector<TileRows>& pairs, int rows, double* tile, Eigen::Index stride);
+void subtract_products(std::span<const TileRows> pairs, int rows, double* tile, Eigen::Index stride);
 
 }  // namespace raybundle

@@ -112,8 +112,8 @@ TEST_P(BeamCovariances, PosesFirstAndBeamsFirstAreTheSameStep) {
   Elimination<6, 4> poses_first(here.system);
   Elimination<4, 6> beams_first(here.system);
   Workers workers(2);
-  ASSERT_TRUE(poses_first.reduce(here.system, 1e4, workers) && poses_first.factor(poses_first.kept()));
-  ASSERT_TRUE(beams_first.reduce(here.system, 1e4, workers) && beams_first.factor(beams_first.kept()));
+  ASSERT_TRUE(poses_first.reduce(here.system, 1e4, workers) && poses_first.factor(poses_first.kept(), workers));
+  ASSERT_TRUE(beams_first.reduce(here.system, 1e4, workers) && beams_first.factor(beams_first.kept(), workers));
   const BlockStep a = poses_first.step(here.system), b = beams_first.step(here.system);
   // Rounding, by the condition of the damped equations.
   EXPECT_LE((a.parameters - b.parameters).norm(), 1e-8 * a.parameters.norm());
