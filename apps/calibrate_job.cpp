@@ -86,7 +86,9 @@ Provenance provenance_of(const CalibrateJob& job, const CalibrateOptions& option
   if (!job.input.observations.empty()) {
     provenance.inputs.push_back({job.input.observations, sha256_of_file(job.input.observations)});
   }
-  for (const ImageFile& file : images.files) provenance.inputs.push_back({file.path, sha256_of_file(file.path)});
+  for (const auto* files : {&images.files, &images.laser_files}) {
+    for (const ImageFile& file : *files) provenance.inputs.push_back({file.path, sha256_of_file(file.path)});
+  }
   return provenance;
 }
 
@@ -101,11 +103,12 @@ double seconds_of(const CalibrationResult& result, std::string_view name) {
 std::vector<StageTime> stages_of(double detect_seconds, const CalibrationResult& first, const CalibrationResult& last,
                                  double refine_seconds, bool refined) {
   const double first_uncertainty = seconds_of(first, "uncertainty"), last_uncertainty = seconds_of(last, "uncertainty");
-  if (refined) refine_seconds += first_uncertainty - last_uncertainty;
+  if (refined) refine_seconds += first_uncertainty - last_uncertainty - seconds_of(last, "laser");
   return {{"detect", detect_seconds},
           {"start", seconds_of(first, "start")},
           {"solve", seconds_of(first, "solve")},
           {"refine", refine_seconds},
+          {"laser", seconds_of(last, "laser")},
           {"uncertainty", last_uncertainty}};
 }
 

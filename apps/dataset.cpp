@@ -6,6 +6,7 @@
 #include <toml++/toml.h>
 
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <set>
 
@@ -94,10 +95,76 @@ std::vector<const toml::table*> tables(TableReader& root, const std::string& key
 
 DatasetCamera camera_from(const toml::table& table, const std::string& file) {
   TableReader reader(table, "[[camera]]", file);
-  DatasetCamera camera{reader.text("name"), reader.texts("images"), reader.text("model")};
+  DatasetCamera camera{reader.text("name"), reader.texts("images"), reader.text("model"), {}};
+  if (table.contains("laser_on")) camera.laser_on = reader.texts("laser_on");
   reader.refuse_unknown_keys();
   model_from_name(camera.model, fmt::format("{}:{}", file, table.source().begin.line));
   return camera;
+}
+
+LaserGrid grid_from(const std::string& word, const TableReader& reader) {
+  constexpr int kMost = 64;
+  LaserGrid grid;
+  char end = 0;
+  const bool read = std::sscanf(word.c_str(), "%dx%d%c", &grid.columns, &grid.rows, &end) == 2;
+  if (!read || grid.columns < 1 || grid.rows < 1 || grid.columns > kMost || grid.rows > kMost) {
+    reader.fail(nullptr,
+                fmt::format("[laser].grid is '{}', but must be COLUMNSxROWS of beams up to 64x64, as \"11x11\"", word));
+  }
+  return grid;
+}
+
+// Two numbers in brackets.
+Eigen::Vector2d pair_from(const toml::node& node, const TableReader& reader, const char* what) {
+  const toml::array* array = node.as_array();
+  const bool good = array != nullptr && array->size() == 2 && (*array)[0].is_number() && (*array)[1].is_number();
+  if (!good) reader.fail(&node, fmt::format("{} must be two numbers in brackets", what));
+  return {*(*array)[0].value<double>(), *(*array)[1].value<double>()};
+}
+
+int beam_from(const toml::node& node, const LaserGrid& grid, const TableReader& reader) {
+  const Eigen::Vector2d label = pair_from(node, reader, "a beam, [row, column],");
+  const int row = static_cast<int>(label.x()), column = static_cast<int>(label.y());
+  if (row != label.x() || column != label.y() || row < 0 || row >= grid.rows || column < 0 || column >= grid.columns) {
+    reader.fail(&node, fmt::format("there is no beam in row {} and column {} of {} rows and {} columns, counted from 0",
+                                   label.x(), label.y(), grid.rows, grid.columns));
+  }
+  return grid.index(row, column);
+}
+
+DatasetAnchor anchor_from(const toml::table& table, const LaserGrid& grid, const std::string& file) {
+  TableReader reader(table, "[laser].anchor", file);
+  DatasetAnchor anchor;
+  anchor.camera = reader.text("camera");
+  anchor.frame = reader.text("frame");
+  const toml::node* pixel = reader.get("pixel");
+  const toml::node* beam = reader.get("beam");
+  if (pixel == nullptr || beam == nullptr) {
+    reader.fail(nullptr, "[laser].anchor needs pixel = [u, v] and beam = [row, column]");
+  }
+  anchor.pixel = pair_from(*pixel, reader, "[laser].anchor.pixel");
+  const int index = beam_from(*beam, grid, reader);
+  anchor.row = grid.row(index);
+  anchor.column = grid.column(index);
+  reader.refuse_unknown_keys();
+  return anchor;
+}
+
+DatasetLaser laser_from(const toml::table& table, const std::string& file) {
+  TableReader reader(table, "[laser]", file);
+  DatasetLaser laser{grid_from(reader.text("grid"), reader), {}, {}, {}};
+  if (const toml::node* brightest = reader.get("brightest"))
+    laser.brightest = beam_from(*brightest, laser.grid, reader);
+  if (const toml::node* missing = reader.get("missing")) {
+    if (!missing->is_array()) reader.fail(missing, "[laser].missing must be a list of beams, as [[0, 0], [0, 10]]");
+    for (const toml::node& beam : *missing->as_array()) laser.missing.push_back(beam_from(beam, laser.grid, reader));
+  }
+  if (const toml::node* anchor = reader.get("anchor")) {
+    if (!anchor->is_table()) reader.fail(anchor, "[laser].anchor must be a table");
+    laser.anchor = anchor_from(*anchor->as_table(), laser.grid, file);
+  }
+  reader.refuse_unknown_keys();
+  return laser;
 }
 
 DatasetBoard board_from(const toml::table& table, const std::string& file, std::size_t index) {
@@ -201,11 +268,18 @@ Dataset dataset_from_text(const std::string& text, const std::string& path) {
     dataset.boards.push_back(board_from(*table, path, dataset.boards.size()));
   }
   for (const toml::table* table : tables(reader, "camera")) dataset.cameras.push_back(camera_from(*table, path));
+  for (const toml::table* table : tables(reader, "laser")) dataset.laser = laser_from(*table, path);
   for (const toml::table* table : tables(reader, "parameter")) dataset.rules.push_back(rule_from(*table, path));
   for (const toml::table* table : tables(reader, "calibrate")) read_options(*table, path, dataset.options);
   reader.refuse_unknown_keys();
   if (dataset.boards.empty()) reader.fail(nullptr, "there is no [target] section; say which board was used");
   if (dataset.cameras.empty()) reader.fail(nullptr, "there is no [[camera]] section; say where the images are");
+  const bool any_on = std::ranges::any_of(dataset.cameras, [](const DatasetCamera& c) { return !c.laser_on.empty(); });
+  if (dataset.laser.has_value() != any_on) {
+    reader.fail(nullptr,
+                any_on ? "there is laser_on, but no [laser] section; add one with its grid, as grid = \"11x11\""
+                       : "there is a [laser], but no camera has laser_on; say where the images with the laser on are");
+  }
   return dataset;
 }
 
@@ -216,7 +290,23 @@ DatasetCamera camera_from_flag(const std::string& flag, const std::string& model
   if (equals == std::string::npos || equals == 0 || equals + 1 == flag.size()) {
     throw Error(ErrorKind::kBadInput, fmt::format("--camera '{}' must be NAME='IMAGES', as in left='left*.jpg'", flag));
   }
-  return {flag.substr(0, equals), {flag.substr(equals + 1)}, model};
+  return {flag.substr(0, equals), {flag.substr(equals + 1)}, model, {}};
+}
+
+DatasetAnchor anchor_from_flag(const std::string& flag) {
+  const std::size_t slash = flag.find('/'), colon = flag.rfind(':');
+  DatasetAnchor anchor;
+  char end = 0;
+  const bool read = slash != std::string::npos && colon != std::string::npos && slash > 0 && slash + 1 < colon &&
+                    std::sscanf(flag.c_str() + colon + 1, "%lf,%lf=%d,%d%c", &anchor.pixel[0], &anchor.pixel[1],
+                                &anchor.row, &anchor.column, &end) == 4;
+  if (!read || !anchor.pixel.allFinite()) {
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("--anchor '{}' must be CAMERA/FRAME:U,V=ROW,COLUMN, as in left/12:320.5,240=5,5", flag));
+  }
+  anchor.camera = flag.substr(0, slash);
+  anchor.frame = flag.substr(slash + 1, colon - slash - 1);
+  return anchor;
 }
 
 ParameterRule rule_from_flag(ParameterRule::Kind kind, const std::string& flag) {

@@ -24,7 +24,25 @@ struct DatasetCamera {
   std::string name;
   std::vector<std::string>
       images;         ///< paths or patterns with * and ?, relative to the folder; videos are lists of frames
-  std::string model;  ///< may be empty when only detecting
+  std::string model;                  ///< may be empty when only detecting
+  std::vector<std::string> laser_on;  ///< as images, with the laser on; they belong to the images by their frame
+};
+
+/// One dot whose beam is known: which image, where in it, which beam.
+struct DatasetAnchor {
+  std::string camera;
+  std::string frame;
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+  int row = 0;
+  int column = 0;
+};
+
+/// A dot projector of a data set.
+struct DatasetLaser {
+  LaserGrid grid;
+  std::optional<int> brightest;  ///< LaserGrid::index, as are the next
+  std::vector<int> missing;
+  std::optional<DatasetAnchor> anchor;
 };
 
 /// What a person writes: boards, cameras, images, options. The TOML form is shown in DESIGN and
@@ -33,6 +51,7 @@ struct Dataset {
   std::string folder;  ///< that image patterns are relative to
   std::vector<DatasetBoard> boards;
   std::vector<DatasetCamera> cameras;
+  std::optional<DatasetLaser> laser;
   std::vector<ParameterRule> rules;
   CalibrateOptions options;
 };
@@ -48,6 +67,9 @@ DatasetCamera camera_from_flag(const std::string& flag, const std::string& model
 
 /// The rule of `--fix PATTERN[=VALUE]`, `--free PATTERN` or `--prior PATTERN=MEAN:SIGMA`.
 ParameterRule rule_from_flag(ParameterRule::Kind kind, const std::string& flag);
+
+/// The anchor of `--anchor CAMERA/FRAME:U,V=ROW,COLUMN`.
+DatasetAnchor anchor_from_flag(const std::string& flag);
 
 /// Refuses options that are not positive finite numbers, or too many threads.
 ///

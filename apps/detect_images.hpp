@@ -17,6 +17,7 @@ namespace raybundle::apps {
 struct DetectedImages {
   ObservationsFile observations;  ///< rules and start values are still to be added to its problem
   std::vector<ImageFile> files;
+  std::vector<ImageFile> laser_files;  ///< with the laser on
   std::vector<UnusedImage> unused;
   std::vector<std::string> hints;         ///< what may be set wrongly, without repetition
   std::map<std::string, int> seen_sizes;  ///< of chessboards that do not fit the one asked for, in how many images

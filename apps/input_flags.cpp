@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 
+#include "detect_dots.hpp"
 #include "misnumbered_views.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/observation_tables.hpp"
@@ -68,6 +69,21 @@ Target named_target(const DatasetBoard& board) {
   return target;
 }
 
+// The laser's anchor names its view by number, and the numbers change.
+void leave_out_bad_views(DetectedImages& images) {
+  CalibrationProblem& problem = images.observations.problem;
+  std::optional<TargetView> anchored;
+  if (problem.laser && problem.laser->anchor) anchored = problem.views.at(problem.laser->anchor->view);
+  leave_out_repeated_views(images);
+  leave_out_misnumbered_views(images);
+  if (!anchored) return;
+  const auto found = std::ranges::find_if(problem.views, [&](const TargetView& view) {
+    return view.camera == anchored->camera && view.frame == anchored->frame && view.target == anchored->target;
+  });
+  if (found == problem.views.end()) refuse("the laser's anchor is in a view that is left out; name a dot in another");
+  problem.laser->anchor->view = static_cast<int>(found - problem.views.begin());
+}
+
 }  // namespace
 
 void add_input_flags(CLI::App& verb, InputFlags& flags) {
@@ -88,6 +104,8 @@ void add_input_flags(CLI::App& verb, InputFlags& flags) {
       ->check(CLI::Range(1, kMostThreads))
       ->default_str(fmt::format("{}", CalibrateOptions{}.threads))
       ->type_name("INT");
+  verb.add_option("--anchor", flags.anchor, "one laser dot whose beam is known, as left/12:320.5,240=5,5")
+      ->type_name("CAMERA/FRAME:U,V=ROW,COLUMN");
   verb.add_flag("!--no-cache", flags.use_cache, "detect again even when the images have been seen before");
 }
 
@@ -110,7 +128,7 @@ Dataset dataset_of(const InputFlags& flags, bool need_models) {
       refuse("corners without a board: give --target, as in --target chessboard:9x6:25mm");
     }
     if (flags.observations.ends_with(".csv")) {
-      for (const auto& [name, size] : sizes_of(flags)) dataset.cameras.push_back({name, {}, ""});
+      for (const auto& [name, size] : sizes_of(flags)) dataset.cameras.push_back({name, {}, "", {}});
     }
     return dataset;  // observe() sets the models, when the cameras are known
   }
@@ -132,8 +150,9 @@ Dataset dataset_of(const InputFlags& flags, bool need_models) {
 DetectedImages observe(const InputFlags& flags, const Dataset& dataset) {
   if (flags.observations.empty()) {
     DetectedImages images = detect_images(dataset, detect_options(flags, dataset));
-    leave_out_repeated_views(images);
-    leave_out_misnumbered_views(images);
+    if (dataset.laser) add_dots(dataset, detect_options(flags, dataset), images);
+    if (!flags.anchor.empty()) set_anchor(anchor_from_flag(flags.anchor), images.observations.problem);
+    leave_out_bad_views(images);
     return images;
   }
   DetectedImages images;
@@ -153,9 +172,10 @@ DetectedImages observe(const InputFlags& flags, const Dataset& dataset) {
   } else {
     file.problem = read_observations_csv(flags.observations, named_target(dataset.boards.front()), sizes_of(flags));
   }
+  if (!flags.anchor.empty()) set_anchor(anchor_from_flag(flags.anchor), file.problem);
   file.models.resize(file.problem.cameras.size());
   for (std::size_t c = 0; c < file.problem.cameras.size(); ++c) {
-    std::vector<DatasetCamera> one{{file.problem.cameras[c].name, {}, ""}};
+    std::vector<DatasetCamera> one{{file.problem.cameras[c].name, {}, "", {}}};
     const auto described = std::ranges::find(dataset.cameras, one[0].name, &DatasetCamera::name);
     if (described != dataset.cameras.end()) one[0].model = described->model;
     for (const std::string& flag : flags.models) {
@@ -164,8 +184,7 @@ DetectedImages observe(const InputFlags& flags, const Dataset& dataset) {
     if (!one[0].model.empty()) file.models[c] = model_from_name(one[0].model, "--model");
     if (file.models[c]) file.problem.cameras[c].model = *file.models[c];
   }
-  leave_out_repeated_views(images);
-  leave_out_misnumbered_views(images);
+  leave_out_bad_views(images);
   return images;
 }
 

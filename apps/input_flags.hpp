@@ -22,6 +22,7 @@ struct InputFlags {
   std::vector<std::string> sizes;    ///< NAME=WxH, for observations in .csv and .vnl
   std::optional<int> threads;        ///< override the dataset's
   bool use_cache = true;
+  std::string anchor;  ///< CAMERA/FRAME:U,V=ROW,COLUMN
 };
 
 /// Declares the flags on a verb.

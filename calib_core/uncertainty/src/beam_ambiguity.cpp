@@ -13,10 +13,13 @@
 namespace raybundle {
 namespace {
 
+constexpr double kStepPx = 2.0;  // between samples of a curve, which is straight over so little
+
 struct CurveSample {
   int beam = 0;
   Eigen::Vector2d pixel;
-  double weight = 0.0;  // inverse depth [1/m] that it stands for
+  Eigen::Vector2d next;  // pixel of the curve's next sample; its own at the end
+  double weight = 0.0;   // inverse depth [1/m] that it stands for
 };
 
 /// Pixels of a beam by depth.
@@ -54,11 +57,22 @@ void sample_curve(const BeamCurve& curve, int beam, const DepthInterval& depths,
   const int count = kCoarse * std::max(1, static_cast<int>(std::ceil(longest / step_px)));
   for (int i = 0; i <= count; ++i) {
     const auto pixel = curve.at_inverse_depth(from + (to - from) * i / count);
-    if (pixel) samples.push_back({beam, *pixel, (to - from) / count});
+    if (!pixel) continue;
+    const bool follows =
+        !samples.empty() && samples.back().beam == beam && (samples.back().pixel - *pixel).norm() < 2.0 * step_px;
+    if (follows) samples.back().next = *pixel;
+    samples.push_back({beam, *pixel, *pixel, (to - from) / count});
   }
 }
 
-/// Samples by square cells of the image as wide as the tolerance.
+double distance_to_segment(const Eigen::Vector2d& pixel, const CurveSample& segment) {
+  const Eigen::Vector2d along = segment.next - segment.pixel;
+  const double length2 = along.squaredNorm();
+  const double share = length2 > 0.0 ? std::clamp(along.dot(pixel - segment.pixel) / length2, 0.0, 1.0) : 0.0;
+  return (segment.pixel + share * along - pixel).norm();
+}
+
+/// Samples by square cells of the image.
 class Cells {
  public:
   Cells(const std::vector<CurveSample>& samples, double width_px) : samples_(samples), width_px_(width_px) {
@@ -101,16 +115,16 @@ BeamAmbiguity ambiguity_of(const RigCamera& camera, const std::vector<BeamLine>&
   }
   std::vector<CurveSample> samples;
   for (const BeamLine& beam : beams) {
-    sample_curve(BeamCurve(camera, beam.line), beam.beam, depths, 0.25 * tolerance_px, samples);
+    sample_curve(BeamCurve(camera, beam.line), beam.beam, depths, kStepPx, samples);
   }
-  const Cells cells(samples, tolerance_px);
+  const Cells cells(samples, tolerance_px + 2.0 * kStepPx);
   std::map<std::pair<int, int>, double> closest;
   double total = 0.0, single = 0.0;
   for (const CurveSample& sample : samples) {
     bool alone = true;
     cells.for_each_near(sample, [&](const CurveSample& other) {
       if (other.beam == sample.beam) return;
-      const double distance = (other.pixel - sample.pixel).norm();
+      const double distance = distance_to_segment(sample.pixel, other);
       if (distance > tolerance_px) return;
       alone = false;
       double& least = closest.try_emplace(std::minmax(sample.beam, other.beam), distance).first->second;

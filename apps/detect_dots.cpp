@@ -1,0 +1,112 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "detect_dots.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <opencv2/imgproc.hpp>
+
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/targets/laser_dots.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+// Outline of the corners of a view, convex.
+std::vector<Eigen::Vector2d> outline_of(const TargetView& view) {
+  std::vector<cv::Point2f> corners, hull;
+  for (const Observation& observation : view.observations) {
+    corners.emplace_back(static_cast<float>(observation.pixel.x()), static_cast<float>(observation.pixel.y()));
+  }
+  cv::convexHull(corners, hull);
+  std::vector<Eigen::Vector2d> outline;
+  for (const cv::Point2f& corner : hull) outline.emplace_back(corner.x, corner.y);
+  return outline;
+}
+
+// The views of a camera by the frame that they belong to; several boards make several views.
+std::map<std::string, std::vector<std::size_t>> views_by_frame(const CalibrationProblem& problem, int camera) {
+  std::map<std::string, std::vector<std::size_t>> views;
+  for (std::size_t v = 0; v < problem.views.size(); ++v) {
+    if (problem.views[v].camera == camera) views[problem.frames[problem.views[v].frame]].push_back(v);
+  }
+  return views;
+}
+
+void find_in(const cv::Mat& on, CalibrationProblem& problem, std::size_t v) {
+  TargetView& view = problem.views[v];
+  std::string reason;
+  const cv::Mat off = view.image.empty() ? cv::Mat() : read_gray(view.image, reason);
+  DotOptions options;
+  options.region = outline_of(view);
+  const bool partner = !off.empty() && off.size() == on.size() && off.type() == on.type();
+  view.dots = find_dots(on, partner ? &off : nullptr, options).dots;
+}
+
+}  // namespace
+
+void add_dots(const Dataset& dataset, const DetectOptions& options, DetectedImages& images) {
+  const auto begin = std::chrono::steady_clock::now();
+  CalibrationProblem& problem = images.observations.problem;
+  std::vector<ImageFile> files;
+  std::vector<std::vector<std::size_t>> views_of_file;
+  int alone = 0;
+  for (int c = 0; c < static_cast<int>(dataset.cameras.size()); ++c) {
+    if (dataset.cameras[c].laser_on.empty()) continue;
+    const auto views = views_by_frame(problem, c);
+    for (const ImageFile& file : image_files(c, dataset.folder, dataset.cameras[c].laser_on)) {
+      const auto found = views.find(file.frame);
+      if (found == views.end()) {
+        ++alone;
+        continue;
+      }
+      files.push_back(file);
+      views_of_file.push_back(found->second);
+    }
+  }
+  if (files.empty()) {
+    throw Error(
+        ErrorKind::kNotEnoughData,
+        fmt::format("none of the {} images of laser_on belongs to an image in which the board was found; do their "
+                    "names differ from those of images in more than one part, as *_on.png and *_off.png?",
+                    alone));
+  }
+  const std::vector<std::string> reasons =
+      for_each_frame(files, options.threads, "finding dots", [&](std::size_t f, const cv::Mat& on, const std::string&) {
+        for (const std::size_t v : views_of_file[f]) find_in(on, problem, v);
+      });
+  for (std::size_t f = 0; f < files.size(); ++f) {
+    if (!reasons[f].empty()) {
+      images.unused.push_back({dataset.cameras[files[f].camera].name, files[f].frame, files[f].path, reasons[f]});
+    }
+  }
+  images.laser_files = files;
+  problem.laser = ProblemLaser{dataset.laser->grid, {}, dataset.laser->brightest, dataset.laser->missing};
+  if (dataset.laser->anchor) set_anchor(*dataset.laser->anchor, problem);
+  images.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+void set_anchor(const DatasetAnchor& anchor, CalibrationProblem& problem) {
+  if (!problem.laser) throw Error(ErrorKind::kBadInput, "there is an anchor, but no laser that it could belong to");
+  const LaserGrid& grid = problem.laser->grid;
+  if (anchor.row < 0 || anchor.row >= grid.rows || anchor.column < 0 || anchor.column >= grid.columns) {
+    throw Error(
+        ErrorKind::kBadInput,
+        fmt::format("the anchor's beam, row {} and column {}, is not one of {} rows and {} columns, counted from 0",
+                    anchor.row, anchor.column, grid.rows, grid.columns));
+  }
+  for (std::size_t v = 0; v < problem.views.size(); ++v) {
+    const TargetView& view = problem.views[v];
+    if (problem.cameras[view.camera].name != anchor.camera || problem.frames[view.frame] != anchor.frame) continue;
+    problem.laser->anchor = LaserAnchor{static_cast<int>(v), anchor.pixel, grid.index(anchor.row, anchor.column)};
+    return;
+  }
+  throw Error(ErrorKind::kBadInput, fmt::format("the anchor is in frame {} of camera {}, in which no board was found; "
+                                                "name a dot in another image",
+                                                anchor.frame, anchor.camera));
+}
+
+}  // namespace raybundle::apps
