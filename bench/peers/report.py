@@ -170,6 +170,7 @@ OTHER_PROOFS = (
     ("True error against the bound, over many draws of the noise", "true_error.txt"),
     ("Start values against one plain solve from them", "start.txt"),
     ("The bundle alone: a hand-written limit, growth, threads, what else it may have to do", "bundle.txt"),
+    ("Detectors on one thread beside Debian's OpenCV", "detect.txt"),
     ("A laser of 304 beams beside a camera", "laser.txt"),
 )
 
