@@ -10,9 +10,11 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "dataset.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/scene/atomic_file.hpp"
 #include "simulated_files.hpp"
+#include "simulated_images.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 
@@ -26,6 +28,7 @@ struct SimulateFlags {
   std::string beams;
   std::optional<double> turn_deg;
   bool images = true;
+  int threads = CalibrateOptions{}.threads;
   bool json = false;
 };
 
@@ -124,9 +127,6 @@ void print_json(const SimulateFlags& flags, const Simulation& simulation) {
 
 void run(const SimulateFlags& flags) {
   namespace fs = std::filesystem;
-  if (flags.images) {
-    throw Error(ErrorKind::kBadInput, "this version simulates observations, not images; add --no-images");
-  }
   const std::string command = command_of(flags);
   BoardedRig boarded = rig_of(flags.rig);
   change_emitter(flags, boarded.rig);
@@ -138,6 +138,7 @@ void run(const SimulateFlags& flags) {
   }
   const fs::path folder(flags.output);
   write_simulation(folder, simulation, command);
+  if (flags.images) write_images(folder, boarded, simulation, flags.options, flags.threads);
   const ProblemLaser* laser = simulation.problem.laser ? &*simulation.problem.laser : nullptr;
   write_file_whole(folder / "dataset.toml", dataset_text(boarded, laser, command));
   flags.json ? print_json(flags, simulation) : print_summary(flags, simulation);
@@ -148,7 +149,7 @@ void run(const SimulateFlags& flags) {
 void add_simulate_verb(CLI::App& app) {
   auto flags = std::make_shared<SimulateFlags>();
   SimulateOptions& options = flags->options;
-  CLI::App* verb = app.add_subcommand("simulate", "a rig description -> observations and the truth");
+  CLI::App* verb = app.add_subcommand("simulate", "a rig description -> images, observations and the truth");
   verb->add_option("rig", flags->rig, "the rig description (docs/formats/rig.md), or random:SEED")->required();
   verb->add_option("-o,--output", flags->output, "folder to write")->type_name("DIR")->required();
   verb->add_option("--frames", options.frames, "poses of the board")
@@ -170,11 +171,15 @@ void add_simulate_verb(CLI::App& app) {
       ->check(CLI::Range(-100.0, 100.0));
   verb->add_flag("--labelled", options.labelled, "dots in observations.json carry their row and column");
   verb->add_flag("!--no-images", flags->images, "observations only");
+  verb->add_option("--threads", flags->threads, "worker threads; images do not depend on them")
+      ->check(CLI::Range(1, kMostThreads))
+      ->capture_default_str();
   verb->add_flag("--json", flags->json, "print the result as JSON");
   verb->footer(
       "Example:\n"
-      "  raybundle simulate datasets/rigs/rig_26mm_laser.toml --frames 60 --seed 7 --beams 19x16 --no-images -o sim\n"
-      "  raybundle calibrate --observations sim/observations.json -o out");
+      "  raybundle simulate datasets/rigs/rig_26mm_laser.toml --frames 60 --seed 7 --beams 19x16 -o sim\n"
+      "  raybundle calibrate sim/dataset.toml -o out                          # from the images\n"
+      "  raybundle calibrate --observations sim/observations.json -o out      # from the observations");
   verb->callback([flags] { run(*flags); });
 }
 

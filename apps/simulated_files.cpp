@@ -11,6 +11,7 @@
 #include "raybundle/io/observations_file.hpp"
 #include "raybundle/scene/atomic_file.hpp"
 #include "raybundle/targets/board_file.hpp"
+#include "simulated_images.hpp"
 
 namespace raybundle::apps {
 namespace {
@@ -30,10 +31,8 @@ ObservationsFile observations_file(const CalibrationProblem& problem) {
   return file;
 }
 
-std::string laser_section(const ProblemLaser& laser, const std::string& camera) {
-  std::string text =
-      fmt::format("\n[laser]\ncamera = \"{}\"\nimages = \"images/laser_{}_*.png\"\nrows = {}\ncolumns = {}\n", camera,
-                  camera, laser.grid.rows, laser.grid.columns);
+std::string laser_section(const ProblemLaser& laser) {
+  std::string text = fmt::format("\n[laser]\ngrid = \"{}x{}\"\n", laser.grid.columns, laser.grid.rows);
   const auto label = [&](int beam) { return fmt::format("[{}, {}]", laser.grid.row(beam), laser.grid.column(beam)); };
   if (laser.brightest) text += fmt::format("brightest = {}\n", label(*laser.brightest));
   if (!laser.missing.empty()) {
@@ -59,17 +58,14 @@ std::string poses_text(const Simulation& simulation) {
 
 }  // namespace
 
-std::string simulated_image(const std::string& camera, int frame, bool laser) {
-  return fmt::format("images/{}{}_{:03}.png", laser ? "laser_" : "", camera, frame);
-}
-
 std::string dataset_text(const BoardedRig& boarded, const ProblemLaser* laser, const std::string& command) {
   std::string text = fmt::format("# {}\n{}", command, toml_of(boarded.board));
   for (const SimulatedCamera& camera : boarded.rig.cameras) {
-    text += fmt::format("\n[[camera]]\nname = \"{0}\"\nimages = \"images/{0}_*.png\"\nmodel = \"{1}\"\n", camera.name,
-                        model_name(camera.camera.model));
+    text += fmt::format("\n[[camera]]\nname = \"{}\"\nimages = \"{}\"\nmodel = \"{}\"\n", camera.name,
+                        simulated_image(camera.name, "*", false), model_name(camera.camera.model));
+    if (laser != nullptr) text += fmt::format("laser_on = \"{}\"\n", simulated_image(camera.name, "*", true));
   }
-  if (laser != nullptr) text += laser_section(*laser, boarded.rig.cameras.front().name);
+  if (laser != nullptr) text += laser_section(*laser);
   return text;
 }
 

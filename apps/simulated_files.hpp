@@ -10,10 +10,7 @@
 
 namespace raybundle::apps {
 
-/// `images/left_007.png`: the image of a camera, relative to the data set; of the laser when it is on.
-std::string simulated_image(const std::string& camera, int frame, bool laser);
-
-/// dataset.toml for images with those names.
+/// dataset.toml for the images of simulated_image().
 ///
 /// @param laser    nullptr when there is none
 /// @param command  how the data set was made

@@ -1,0 +1,137 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "simulated_images.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <opencv2/imgcodecs.hpp>
+#include <thread>
+#include <vector>
+
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/scene/atomic_file.hpp"
+#include "raybundle/synthetic/render.hpp"
+#include "terminal.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+cv::Mat mat_of(const GreyImage& image) {
+  cv::Mat mat(image.size.height, image.size.width, image.bits == 8 ? CV_8U : CV_16U);
+  const unsigned largest = (1u << image.bits) - 1, white = image.bits == 8 ? 255 : 65535;
+  for (int y = 0; y < mat.rows; ++y) {
+    for (int x = 0; x < mat.cols; ++x) {
+      const unsigned value = (image.at(x, y) * white + largest / 2) / largest;
+      if (image.bits == 8) {
+        mat.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(value);
+      } else {
+        mat.at<std::uint16_t>(y, x) = static_cast<std::uint16_t>(value);
+      }
+    }
+  }
+  return mat;
+}
+
+void write_png(const fs::path& path, const GreyImage& image) {
+  std::vector<unsigned char> bytes;
+  cv::imencode(".png", mat_of(image), bytes, {cv::IMWRITE_PNG_COMPRESSION, 1});
+  write_file_whole(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
+bool is_simulated_image(const fs::path& path) {
+  const std::string name = path.filename().string();
+  const std::size_t digits = std::min(name.find_first_not_of("0123456789"), name.size());
+  return digits > 0 && (name.substr(digits) == "_on.png" || name.substr(digits) == "_off.png");
+}
+
+void prepare_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  std::vector<fs::path> old;
+  if (!error) {
+    for (const auto& entry : fs::directory_iterator(folder, error)) {
+      if (is_simulated_image(entry.path())) old.push_back(entry.path());
+    }
+  }
+  for (const fs::path& path : old) {
+    if (!error) fs::remove(path, error);
+  }
+  if (!error) return;
+  throw Error(ErrorKind::kIo, fmt::format("the folder {} for images cannot be prepared: {}; choose another with -o",
+                                          folder.string(), error.message()));
+}
+
+void check(const BoardedRig& boarded) {
+  if (std::holds_alternative<PointSet>(boarded.board)) {
+    throw Error(ErrorKind::kBadInput, "a board of kind \"points\" has no print to render; add --no-images");
+  }
+  for (const SimulatedCamera& camera : boarded.rig.cameras) {
+    if (camera.name.find_first_of("/\\*?[") == std::string::npos && camera.name != "." && camera.name != "..") continue;
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("camera '{}' cannot name a folder of images; rename it, or add --no-images", camera.name));
+  }
+}
+
+// Calls work(0), ..., work(count - 1), each once, on so many threads; passes the first exception on.
+template <typename Work>
+void for_each_index(std::size_t count, int threads, Work&& work) {
+  std::atomic<std::size_t> next{0};
+  std::mutex guard;
+  std::exception_ptr failure;
+  const auto loop = [&] {
+    for (std::size_t i = next++; i < count; i = next++) {
+      try {
+        work(i, guard);
+      } catch (...) {
+        const std::scoped_lock lock(guard);
+        if (!failure) failure = std::current_exception();
+        next = count;
+      }
+    }
+  };
+  std::vector<std::jthread> workers;
+  for (int t = 1; t < threads; ++t) workers.emplace_back(loop);
+  loop();
+  workers.clear();
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace
+
+std::string simulated_image(const std::string& camera, const std::string& frame, bool laser) {
+  return fmt::format("images/{}/{}_{}.png", camera, frame, laser ? "on" : "off");
+}
+
+std::string simulated_image(const std::string& camera, int frame, bool laser) {
+  return simulated_image(camera, fmt::format("{:03}", frame), laser);
+}
+
+void write_images(const fs::path& folder, const BoardedRig& boarded, const Simulation& simulation,
+                  const SimulateOptions& options, int threads) {
+  check(boarded);
+  const std::vector<SimulatedCamera>& cameras = boarded.rig.cameras;
+  for (const SimulatedCamera& camera : cameras) {
+    prepare_folder((folder / simulated_image(camera.name, 0, false)).parent_path());
+  }
+  const ViewRenderer renderer(boarded.rig, options.warmer_K);
+  const std::size_t count = simulation.poses.size() * cameras.size();
+  Progress progress("rendering", static_cast<int>(count));
+  for_each_index(count, threads, [&](std::size_t i, std::mutex& guard) {
+    const BoardPose& pose = simulation.poses[i / cameras.size()];
+    const std::size_t c = i % cameras.size();
+    const RenderedView view =
+        renderer.render(static_cast<int>(c), pose.rig_from_target, {.seed = options.seed, .stream = i});
+    write_png(folder / simulated_image(cameras[c].name, pose.frame, false), view.off);
+    if (boarded.rig.emitter) write_png(folder / simulated_image(cameras[c].name, pose.frame, true), view.on);
+    const std::scoped_lock lock(guard);
+    progress.advance();
+  });
+}
+
+}  // namespace raybundle::apps

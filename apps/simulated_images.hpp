@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "raybundle/synthetic/simulate.hpp"
+#include "simulated_board.hpp"
+
+namespace raybundle::apps {
+
+/// `images/left/007_off.png`: the image of a camera, relative to the data set; of the laser when it is on.
+///
+/// @param frame  its number, or * for all
+std::string simulated_image(const std::string& camera, const std::string& frame, bool laser);
+
+/// The same for a frame's number, with leading zeros.
+std::string simulated_image(const std::string& camera, int frame, bool laser);
+
+/// Renders and writes the images of all cameras and frames, whether they show the board or not; those that an earlier
+/// run left in the folders are removed. 10 and 12 bits are stretched to the 16 of a PNG. The number of threads does not
+/// change a bit.
+///
+/// @throws Error(kBadInput) when the board has no print, or a camera a name that is none for a folder; Error(kIo)
+void write_images(const std::filesystem::path& folder, const BoardedRig& boarded, const Simulation& simulation,
+                  const SimulateOptions& options, int threads);
+
+}  // namespace raybundle::apps
