@@ -233,7 +233,8 @@ TEST_F(BadData, BoardsOfTwoSizesAreNamed) {
   write_text(place / "mixed.csv", csv_of(mixed));
   std::vector<std::string> words = arguments("mixed.csv");
   words.insert(words.end(), {"--image-size", "camera1=1280x960"});
-  refuses(raybundle_program(words), {"by 6 frames (", "1.33", "a board of another size"});
+  refuses(raybundle_program(words),
+          {"by 6 frames (", "small12", "times what it is by the others", "a board of another size"});
 }
 
 TEST_F(BadData, RowsAndColumnsExchangedAreNamed) {
