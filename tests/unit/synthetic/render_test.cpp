@@ -122,6 +122,19 @@ TEST(Render, CornersAreWhereAFisheyeProjectsThem) {
   EXPECT_LT(errors.rms_px, 0.02);
 }
 
+TEST(Render, EveryCameraModelSeesTheBoard) {
+  Models::for_each([]<CameraModel M>() {
+    Camera camera = small_camera(std::string(M::kName).c_str(), 150);
+    for (int k = 0; k < kShapeSize<M>; ++k) camera.parameters[4 + k] = M::kExamples[0].shape[k];
+    const Eigen::Vector2d middle = *pixel_from_ray(camera, {0.01, 0, 0.3});
+    camera.parameters.segment<2>(2) += Eigen::Vector2d(99.3, 78.6) - middle;
+    const CornerErrors errors = corner_errors(board_rig(camera), {pose_at({0.01, 0, 0.3}, {20, -10, 25})});
+    EXPECT_GE(errors.count, 30) << M::kName;
+    EXPECT_LT(errors.mean.norm(), 0.01) << M::kName;
+    EXPECT_LT(errors.rms_px, 0.03) << M::kName;
+  });
+}
+
 // Grey values against sums over 150,000 samples of the exact rays, without anything that the renderer uses: 6 of 4095
 // grey values are an edge that is 0.008 px away, as where the blur is steep within a cell.
 TEST(Render, PixelsAreIntegralsOfTheLight) {

@@ -53,6 +53,19 @@ TEST(RigReader, ReadsTheRigOfThePaper) {
   EXPECT_NEAR(degrees(camera.cx(), 0) + degrees(camera.cx(), 479), 100, 4);
 }
 
+TEST(RigReader, ReadsLightAndSensor) {
+  const std::string text =
+      replaced(rig_text(), "full_well_e = 10000", "bits = 10\nfull_well_e = 7000\nexposure = 1.5") +
+      "\n[light]\nambient_W_m2 = 1.0\nsun_W_m2 = 4.0\nbackground_m = 2.0\n";
+  const SimulatedRig rig = rig_from_text(text, "rig.toml");
+  EXPECT_EQ(rig.cameras[0].sensor.bits, 10);
+  EXPECT_EQ(rig.cameras[0].sensor.full_well_e, 7000);
+  EXPECT_EQ(rig.cameras[0].sensor.exposure, 1.5);
+  EXPECT_EQ(rig.light.ambient_W_m2, 1.0);
+  EXPECT_EQ(rig.light.sun_W_m2, 4.0);
+  EXPECT_EQ(rig.light.background_m, 2.0);
+}
+
 TEST(RigReader, NamesLineAndFieldOfMistakes) {
   const std::string text = rig_text();
   EXPECT_THAT(complaint(replaced(text, "columns = 11", "colums = 11")), HasSubstr("needs a field 'columns'"));
@@ -70,6 +83,9 @@ TEST(RigReader, NamesLineAndFieldOfMistakes) {
   EXPECT_THAT(complaint(""), HasSubstr("no [[camera]]"));
   EXPECT_THAT(complaint(replaced(text, "rows = 11", "rows = 11\nmissing = [[3, 11]]")), HasSubstr("[3, 11]"));
   EXPECT_THAT(complaint(replaced(text, "tilt_deg = 50.0", "tilt_deg = 95.0")), HasSubstr("rig.toml:50"));
+  EXPECT_THAT(complaint(text + "\n[light]\nbackground_m = 0\n"), HasSubstr("background_m"));
+  EXPECT_THAT(complaint(text + "\n[light]\nambient_W_m = 1\n"), HasSubstr("Did you mean \"ambient_W_m2\""));
+  EXPECT_THAT(complaint(replaced(text, "full_well_e", "bits = 9\nfull_well_e")), HasSubstr("bits must be 8, 10 or 12"));
 }
 
 }  // namespace
