@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kParameters = 9;  // amplitude, x, y, three of the shape, three of the background
 constexpr int kMostSteps = 12;
+constexpr double kConverged = 1e-4;   // squared sigmas that a step changes the parameters by
 constexpr double kScaleSigma = 0.02;  // relative, of the laser-off image's scale at one place
 using Vector = Eigen::Matrix<double, kParameters, 1>;
 using Matrix = Eigen::Matrix<double, kParameters, kParameters>;
@@ -83,6 +84,17 @@ bool sensible(const Vector& p, const SpotShape& shape) {
          p[3] < 9 * expected && p[5] < 9 * expected;
 }
 
+double grey_around(const SpotWindow& window) {
+  double sum = 0;
+  int count = 0;
+  for (std::size_t i = 0; i < window.size(); ++i) {
+    if (window.near[i]) continue;
+    sum += window.signal[i];
+    ++count;
+  }
+  return sum / std::max(1, count);
+}
+
 // Goodness of fit within three sigmas, where the spot's own misfit is.
 void judge(const SpotWindow& window, const GreyNoise& noise, const Vector& p, SpotFit& fit) {
   double chi = 0, excess = 0;
@@ -115,7 +127,7 @@ SpotFit fit_spot(const SpotWindow& window, const Spot& start, const SpotShape& s
   const Model model{window, noise, shape};
   Vector p = Vector::Zero();
   p << start.amplitude, start.pixel.x() - window.origin.x(), start.pixel.y() - window.origin.y(), start.precision(0, 0),
-      start.precision(0, 1), start.precision(1, 1), 0, 0, 0;
+      start.precision(0, 1), start.precision(1, 1), grey_around(window), 0, 0;
   SpotFit fit;
   fit.spot = start;
   if (window.size() < 2 * kParameters) return fit;
@@ -130,14 +142,12 @@ SpotFit fit_spot(const SpotWindow& window, const Spot& start, const SpotShape& s
     const bool allowed = sensible(next, shape) && move.segment<2>(1).cwiseAbs().maxCoeff() < 3;
     const Normal after = allowed ? model.normal_at(next) : Normal();
     // Weights change with the model, so that costs compare only roughly near the minimum.
-    if (allowed && after.cost <= normal.cost * (1 + 1e-3)) {
+    if (allowed && after.cost <= 1.01 * normal.cost + 0.1) {
+      fit.converged = move.dot(normal.right) < kConverged;
       p = next;
       normal = after;
       damping *= 0.1;
-      if (move.segment<2>(1).cwiseAbs().maxCoeff() < 2e-4 && std::abs(move[0]) < 1e-3 * std::abs(p[0])) {
-        fit.converged = true;
-        break;
-      }
+      if (fit.converged) break;
     } else {
       damping = std::max(1e-2, 10 * damping);
     }

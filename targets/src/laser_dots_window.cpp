@@ -136,6 +136,18 @@ void keep(SpotWindow& window, const std::vector<char>& kept) {
   window.rim.resize(count);
 }
 
+// An edge's blur is a pixel wider than where it is plain.
+void drop_blurred_edge(const SpotWindow& window, std::vector<char>& kept) {
+  const std::vector<char> plain = kept;
+  for (std::size_t i = 0; i < window.size(); ++i) {
+    if (plain[i]) continue;
+    for (std::size_t k = 0; k < window.size(); ++k) {
+      const bool beside = std::abs(window.x[k] - window.x[i]) < 1.5 && std::abs(window.y[k] - window.y[i]) < 1.5;
+      if (beside && (window.pair || !window.near[k])) kept[k] = 0;
+    }
+  }
+}
+
 }  // namespace
 
 bool take_even_surface(SpotWindow& window, double amplitude, const GreyNoise& noise) {
@@ -146,7 +158,7 @@ bool take_even_surface(SpotWindow& window, double amplitude, const GreyNoise& no
   const std::optional<Eigen::Vector3d> plane = surface_around(window, grey, tolerance);
   if (!plane) return false;
   std::vector<char> kept(window.size(), 1);
-  int around = 0, even = 0, rim = 0, uneven = 0;
+  int around = 0, even = 0, close = 0, uneven = 0;
   for (std::size_t i = 0; i < window.size(); ++i) {
     const double off = grey[i] - plane->dot(Eigen::Vector3d(1, window.x[i], window.y[i]));
     const bool on_plane = std::abs(off) < tolerance;
@@ -156,12 +168,14 @@ bool take_even_surface(SpotWindow& window, double amplitude, const GreyNoise& no
       even += on_plane;
     } else if (window.pair || window.rim[i]) {
       // The spot's own light reaches the rim a little.
-      const double own = window.pair ? 0 : kRimLight * amplitude;
-      ++rim;
-      uneven += off < -tolerance || off > tolerance + own;
+      const bool is_even = off > -tolerance && off < tolerance + (window.pair ? 0 : kRimLight * amplitude);
+      if (window.pair) kept[i] = is_even;
+      ++close;
+      uneven += !is_even;
     }
   }
-  if (even < kEvenShare * around || uneven > kUnevenRim * rim) return false;
+  if (even < kEvenShare * around || uneven > kUnevenRim * close) return false;
+  if (even < around) drop_blurred_edge(window, kept);
   if (window.pair) {
     for (std::size_t i = 0; i < window.size(); ++i) {
       window.signal[i] += window.background[i];

@@ -12,7 +12,7 @@ namespace raybundle {
 
 /// What counts as a laser's spot. The defaults need no change for a raw image of a dot pattern.
 struct DotOptions {
-  double least_significance = 4.5;  ///< a spot's brightness over its own sigma; those below are counted as faint
+  double least_significance = 4.7;  ///< a spot's brightness over its own sigma; those below are counted as faint
   double spot_sigma_px = 0.0;       ///< usual width of the spots, Gaussian sigma with pixel and lens; 0: estimated
   double most_elongation = 2.5;     ///< length over width, above which a spot is a streak
   double full_scale_grey = 0.0;     ///< grey value at which the sensor saturates; 0: that of 8, 10, 12, 14 or 16 bits
