@@ -2,10 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "beams.hpp"
 
+#include <string>
+
+#include "raybundle/geometry/error.hpp"
+
 namespace raybundle {
 
 std::vector<int> active_beams(const std::vector<ViewDots>& dots, const BundleState& state,
                               const BundleOptions& options) {
+  if (!options.beam_priors.empty() && options.beam_priors.size() != state.beams.size()) {
+    throw Error(ErrorKind::kBadInput, "there are " + std::to_string(options.beam_priors.size()) + " priors for " +
+                                          std::to_string(state.beams.size()) + " beams; give one for each, or none");
+  }
   std::vector<bool> active(state.beams.size(), false);
   for (const ViewDots& view : dots) {
     for (const UsedDot& dot : view.dots) active[dot.beam] = true;

@@ -11,6 +11,8 @@
 namespace raybundle {
 
 /// Beams that take part, ascending: those with a used dot or a prior.
+///
+/// @throws Error(kBadInput) when the number of priors is neither zero nor that of the beams
 std::vector<int> active_beams(const std::vector<ViewDots>& dots, const BundleState& state,
                               const BundleOptions& options);
 

@@ -51,8 +51,12 @@ Elimination<E, K>::Elimination(const BlockSystem& pattern)
 
 template <int E, int K>
 double Elimination<E, K>::cost(const BlockSystem& pattern) {
+  std::vector<double> met(family<E>(pattern).blocks(), pattern.parameters());  // kept unknowns, by eliminated block
+  for (const Tie& tie : pattern.ties) met[block_of<E>(tie)] += K;
   const double kept = K * family<K>(pattern).blocks() + pattern.parameters();
-  return 0.5 * E * family<E>(pattern).blocks() * kept * kept + kept * kept * kept / 6.0;
+  double products = kept * kept * kept / 6.0;
+  for (const double unknowns : met) products += 0.5 * E * unknowns * unknowns;
+  return products;
 }
 
 template <int E, int K>

@@ -49,7 +49,7 @@ class Elimination {
   /// @param pattern  whose sizes and ties count, not its numbers
   explicit Elimination(const BlockSystem& pattern);
 
-  /// Multiplications of one factor() by the sizes alone.
+  /// Multiplications of one reduce() and factor().
   static double cost(const BlockSystem& pattern);
 
   /// Eliminates; false when the damped equations of a block are not positive definite.
