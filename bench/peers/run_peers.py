@@ -134,7 +134,9 @@ def measure(name, folder, results, options):
     """All peers in turn, again and again: what disturbs the machine then disturbs all of them."""
     frames = int(name.split(" ")[1])
     spent = {}
-    by_peer = results[name] = {}
+    by_peer = results.setdefault(name, {})
+    for peer in [peer for peer in by_peer if peer != "truth" and re.search(options.peers, peer)]:
+        del by_peer[peer]
     for repetition in range(options.repetitions):
         for peer, (command, arguments, able, most) in peers(options.build).items():
             if not re.search(options.peers, peer) or not re.search(able, name):
@@ -184,7 +186,7 @@ def main():
     parser.add_argument("--budget-s", type=float, default=6, help="of all repetitions of one peer on one problem")
     parser.add_argument("--problems", default=".", help="regular expression of the problems' names")
     parser.add_argument("--peers", default=".", help="regular expression of the peers' names")
-    parser.add_argument("--keep", action="store_true", help="results of earlier runs of other problems")
+    parser.add_argument("--keep", action="store_true", help="results of earlier runs of other problems and peers")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "release")
     options = parser.parse_args()
     options.build = options.build.resolve()
