@@ -202,6 +202,25 @@ TEST(Render, VignettingAndExposureScaleTheLight) {
   }
 }
 
+TEST(Render, TheSunLightsTheBoardByTheCosine) {
+  SimulatedRig rig = board_rig(small_camera("pinhole", 100));
+  rig.cameras[0].sensor.vignetting = 0;
+  rig.board.print.boxes.clear();
+  rig.light.sun_W_m2 = 3;
+  const double black = 4095 * rig.cameras[0].sensor.black_level;
+  const auto grey_at_middle = [&](const Eigen::Vector3d& sun_direction) {
+    rig.light.sun_direction = sun_direction;
+    return render_view(rig, 0, pose_at({0, 0, 0.3}, {0, 30, 0}), {.noise = false}).off.at(100, 80);
+  };
+  const Eigen::Vector3d facing(-0.5, 0, -std::sqrt(0.75)), aside(0, 2, 0), behind = -facing;
+  const auto expected = [&](double cosine) {
+    return black + 4095 * rig.board.paper_albedo * (rig.light.ambient_W_m2 + 3 * cosine) / 8;
+  };
+  EXPECT_NEAR(grey_at_middle(facing), expected(1), 1);
+  EXPECT_NEAR(grey_at_middle(facing + aside.normalized()), expected(std::numbers::sqrt2 / 2), 1);
+  EXPECT_NEAR(grey_at_middle(behind), expected(0), 1);
+}
+
 // Speckle leaves the mean and has the stated contrast; shot noise is left out.
 TEST(Render, SpeckleHasItsContrast) {
   SimulatedRig rig = spot_rig(170);
