@@ -23,7 +23,8 @@ struct GreyImage {
   std::uint16_t at(int x, int y) const { return values[static_cast<std::size_t>(y) * size.width + x]; }
 };
 
-/// Where a beam's spot is seen.
+/// Where a beam's spot is seen. A spot whose centre is out of sight is not listed, even where its rim lights the edge
+/// of the board.
 struct RenderedDot {
   int beam = 0;                                     ///< index into ViewRenderer::beams()
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< of the place where the beam's axis meets the surface
