@@ -132,8 +132,9 @@ std::vector<const Spot*> others_near(const std::vector<SpotCandidate>& candidate
 std::vector<SpotCandidate> Finder::candidates(double sigma_px) const {
   SpotShape shape = round_shape(sigma_px, 0.5);
   std::vector<SpotCandidate> found;
-  // The difference of two images has twice the noise that the fit will have on even ground.
-  const double least = (images_.pair() ? 0.65 : 0.9) * options_.least_significance;
+  // The filter knows less than the fit, which decides: a pair's difference has twice the noise that the fit will have
+  // on even ground, and one image's filter is short.
+  const double least = 0.65 * options_.least_significance;
   for (const SpotPeak& peak : peaks(sigma_px, least)) {
     found.push_back({.fit = {}, .peak = pixel_of(peak)});
     fit(found.back(), {found.back().peak, peak.amplitude, shape.precision}, shape, sigma_px, {});

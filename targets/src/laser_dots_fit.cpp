@@ -10,8 +10,8 @@ namespace raybundle {
 namespace {
 
 constexpr int kParameters = 9;  // amplitude, x, y, three of the shape, three of the background
-constexpr int kMostSteps = 12;
-constexpr double kConverged = 1e-4;   // squared sigmas that a step changes the parameters by
+constexpr int kMostSteps = 16;
+constexpr double kConverged = 1e-3;   // squared sigmas that a step changes the parameters by
 constexpr double kScaleSigma = 0.02;  // relative, of the laser-off image's scale at one place
 using Vector = Eigen::Matrix<double, kParameters, 1>;
 using Matrix = Eigen::Matrix<double, kParameters, kParameters>;
@@ -144,9 +144,10 @@ SpotFit fit_spot(const SpotWindow& window, const Spot& start, const SpotShape& s
     // Weights change with the model, so that costs compare only roughly near the minimum.
     if (allowed && after.cost <= 1.01 * normal.cost + 0.1) {
       fit.converged = move.dot(normal.right) < kConverged;
+      // Faint spots make Gauss and Newton's steps too long: no faster while the cost does not fall.
+      damping = after.cost <= normal.cost ? 0.1 * damping : std::max(0.1, 10 * damping);
       p = next;
       normal = after;
-      damping *= 0.1;
       if (fit.converged) break;
     } else {
       damping = std::max(1e-2, 10 * damping);

@@ -23,7 +23,8 @@ bool is_peak(const cv::Mat& response, int x, int y, int radius) {
 }  // namespace
 
 std::vector<SpotPeak> spot_peaks(const DotImages& images, double sigma_px, double least_significance) {
-  const int radius = static_cast<int>(std::ceil(3 * sigma_px)) + 1;
+  // Without a laser-off image the filter must be short, lest printed edges drown what lies beside them.
+  const int radius = static_cast<int>(images.pair() ? std::ceil(3 * sigma_px) + 1 : std::ceil(2.5 * sigma_px));
   const int side = 2 * radius + 1;
   const cv::Mat kernel = cv::getGaussianKernel(side, sigma_px, CV_32F);  // sums to 1
   double squares = 0;
