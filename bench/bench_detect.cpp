@@ -144,6 +144,7 @@ void run(const Set& set, std::size_t most, int repetitions) {
                 sum_ms / static_cast<double>(images.size()), detector.times_ms[images.size() / 2],
                 detector.times_ms.back(), sum_ms / ours_ms);
   }
+  std::fflush(stdout);
 }
 
 }  // namespace
