@@ -201,7 +201,8 @@ FoundDots find_dots(const cv::Mat& on, const cv::Mat* off, const DotOptions& opt
     sigmas.push_back(mean_sigma(spot.precision));
     Dot dot;
     dot.pixel = spot.pixel;
-    dot.covariance_px2 = candidate.fit.covariance_px2;
+    const Eigen::Matrix2d& covariance = candidate.fit.covariance_px2;
+    dot.covariance_px2 = 0.5 * (covariance + covariance.transpose());  // rounding
     dot.brightness = 2 * std::numbers::pi * spot.amplitude * sigmas.back() * sigmas.back();
     found.dots.push_back(dot);
   }

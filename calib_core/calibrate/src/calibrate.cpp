@@ -124,6 +124,10 @@ void add_laser(const CalibrateOptions& options, const BundleOptions& bundle, Cal
   result.calibration.laser = std::move(solve.pattern);
   result.termination = solve.summary.termination;
   result.iterations += solve.summary.iterations;
+  if (solve.laser.origin_guessed) {
+    result.warnings.push_back("which beam is which is guessed: the labels may all be off by the same rows and columns; "
+                              "say which beam a dot belongs to (--anchor), or name the brightest or a missing beam");
+  }
   warn_of_drag(solve.laser, result);
   result.laser = std::move(solve.laser);
 } catch (const Error& error) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "beam_ranges.hpp"
 #include "raybundle/geometry/error.hpp"
@@ -19,8 +20,9 @@ constexpr double kRayleighMedian = 1.1774100225154747;  // as in robust_solve.cp
 constexpr double kSmallestSigmaPx = 1e-4;               // exact data: rounding is not to be mistaken for outliers
 constexpr int kMaxRounds = 8;
 constexpr int kFewestHits = 2;         // of a beam without a model to lean on
-constexpr int kHitsOfStrong = 6;       // of a beam that needs no prior ...
-constexpr double kStrongDepthM = 0.3;  // ... and how far apart along it they lie
+constexpr int kHitsOfStrong = 3;       // of a beam that needs no prior ...
+constexpr double kStrongDepthM = 0.1;  // ... and how far apart along it they lie
+constexpr double kLooseness = 3.0;     // a prior's sigma over the farthest of the strong beams
 constexpr int kFewestStrong = 8;       // beams that tell how well the common model holds
 
 LaserScene scene_of(const CalibrationProblem& problem, const BundleState& state) {
@@ -45,16 +47,23 @@ std::vector<double> whitened_distances(const CalibrationProblem& problem, const 
 
 bool takes_part(ObservationFate fate) { return fate == ObservationFate::kUsed || fate == ObservationFate::kOutlier; }
 
-/// Robust size of the dots' distances over what their sigmas say.
+/// Robust size of the dots' errors over what their sigmas say. Residuals are smaller than errors, by the four unknowns
+/// that each beam takes from its dots.
 double robust_scale(const CalibrationProblem& problem, const BundleState& state) {
   std::vector<double> distances;
+  std::set<int> beams;
   for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
     const std::vector<double> of_view = whitened_distances(problem, state, v);
     for (std::size_t i = 0; i < of_view.size(); ++i) {
-      if (takes_part(state.dot_fates[v][i]) && std::isfinite(of_view[i])) distances.push_back(of_view[i]);
+      if (!takes_part(state.dot_fates[v][i]) || !std::isfinite(of_view[i])) continue;
+      distances.push_back(of_view[i]);
+      beams.insert(problem.views[v].dots[i].beam);
     }
   }
-  return distances.empty() ? 1.0 : median(distances) / kRayleighMedian;
+  if (distances.empty()) return 1.0;
+  const double equations = 2.0 * static_cast<double>(distances.size());
+  const double left = std::max(equations - 4.0 * static_cast<double>(beams.size()), 0.1 * equations);
+  return median(distances) / kRayleighMedian * std::sqrt(equations / left);
 }
 
 void scale_corners(CalibrationProblem& problem, double scale) {
@@ -121,7 +130,7 @@ std::vector<std::optional<BeamPrior>> priors_of(const LaserPattern& pattern, con
   }
   std::vector<std::optional<BeamPrior>> priors(weak.empty() ? 0 : state.beams.size());
   if (strong_beams < kFewestStrong) return priors;
-  const Eigen::Vector4d sigma(offset_m, offset_m, slope_rad, slope_rad);
+  const Eigen::Vector4d sigma = kLooseness * Eigen::Vector4d(offset_m, offset_m, slope_rad, slope_rad);
   for (const int b : weak) {
     const std::optional<Line3> model = line_of_model(pattern, b, state.beams[b]->point);
     if (model) priors[b] = BeamPrior{*model, sigma.cwiseAbs2().cwiseInverse().asDiagonal()};
@@ -202,6 +211,7 @@ LaserSolve solve_with_dots(const CalibrationProblem& problem, const BundleState&
                    .zero_order_row = start.zero_order_row,
                    .zero_order_column = start.zero_order_column};
   solve.laser.label_origin = start.origin;
+  solve.laser.origin_guessed = start.origin_guessed;
   solve.laser.grating_rms_rad = start.grating_rms_rad;
   solve.bundle.threads = options.threads;
   solve.bundle.max_iterations = options.max_iterations;

@@ -168,6 +168,7 @@ BeamOrigin beam_origin(const CalibrationProblem& problem, const std::vector<Beam
     });
   }
   if (shifts.size() > 1) {
+    origin.guessed = true;
     origin.reason = "nothing: " + grid_words(rows.count(), columns.count()) +
                     " were seen, taken for the middle ones; name the brightest or a missing beam, or give an anchor";
   }

@@ -15,6 +15,7 @@ namespace raybundle {
 struct BeamOrigin {
   std::vector<int> beam_of_line;  ///< or kUnlabelled, for lines off the lattice or outside of the grid
   std::string reason;             ///< what fixed the origin, in words
+  bool guessed = false;           ///< nothing did
 };
 
 /// Shifts the lattice into the grid of the problem's laser so that it agrees with the anchor, the brightest and the

@@ -39,7 +39,7 @@ BeamLines labelled_lines(const CalibrationProblem& problem, const std::vector<Be
   return lines;
 }
 
-BeamLines unlabelled_lines(const LaserScene& scene, const std::vector<BeamHit>& hits, std::string& origin_reason) {
+BeamLines unlabelled_lines(const LaserScene& scene, const std::vector<BeamHit>& hits, BeamStart& start) {
   const std::vector<HitLine> found = lines_through_hits(scene, hits);
   std::vector<Line3> directions;
   std::vector<double> weights;
@@ -55,7 +55,8 @@ BeamLines unlabelled_lines(const LaserScene& scene, const std::vector<BeamHit>& 
                     " lines); take 20 or more poses at distances that differ by half");
   }
   const BeamOrigin origin = beam_origin(scene.problem, hits, found, places);
-  origin_reason = origin.reason;
+  start.origin = origin.reason;
+  start.origin_guessed = origin.guessed;
   BeamLines lines;
   for (std::size_t l = 0; l < found.size(); ++l) {
     if (origin.beam_of_line[l] != kUnlabelled) lines[origin.beam_of_line[l]] = found[l];
@@ -145,7 +146,7 @@ BeamStart initialize_beams(const LaserScene& scene) {
   BeamStart start;
   BeamLines lines = labelled_lines(scene.problem, hits);
   start.origin = "the labels given";
-  if (lines.empty()) lines = unlabelled_lines(scene, hits, start.origin);
+  if (lines.empty()) lines = unlabelled_lines(scene, hits, start);
   fit_common_model(scene, lines, start);
   label_dots(scene, hits, lines, start);
   return start;

@@ -28,8 +28,9 @@ struct BeamStart {
   double grating_rms_rad = 0.0;               ///< angle between the lines and the model's, root mean square
   double zero_order_row = 0.0;                ///< as LaserPattern
   double zero_order_column = 0.0;
-  int unlabelled = 0;  ///< dots that no beam, or more than one, explains
-  std::string origin;  ///< what fixed the origin of the labels, in words
+  int unlabelled = 0;           ///< dots that no beam, or more than one, explains
+  std::string origin;           ///< what fixed the origin of the labels, in words
+  bool origin_guessed = false;  ///< nothing fixed it: all labels may be off by the same rows and columns
 };
 
 /// Labels dots without any guess of the projector, and fits a line to the dots of each beam: dots of one beam in many

@@ -77,8 +77,9 @@ struct LaserSummary {
   double rms_px = 0.0;           ///< of the used dots: root of the mean squared distance
   double sigma_scale = 1.0;      ///< robust size of the dots' residuals over their stated sigmas
   double grating_rms_rad = 0.0;  ///< angle between the beams and the grating's common model, root mean square
-  int beams_with_prior = 0;  ///< that the grating's model had to support: fewer than 6 hits, or less than 0.3 m deep
-  std::string label_origin;  ///< what fixed the origin of the labels, in words
+  int beams_with_prior = 0;     ///< that the grating's model had to support: fewer than 3 hits, or less than 0.1 m deep
+  std::string label_origin;     ///< what fixed the origin of the labels, in words
+  bool origin_guessed = false;  ///< nothing did: all labels may be off by the same rows and columns
   std::vector<DraggedParameter> parameters;  ///< of the cameras, those that are free
 
   /// Largest move of a parameter, in its sigmas without the dots. More information moves an estimate by less than its
