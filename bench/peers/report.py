@@ -15,6 +15,7 @@ import statistics
 import subprocess
 
 import bars
+import run_peers
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 WORK = ROOT / "build" / "peers"
@@ -188,9 +189,22 @@ def all_bars(results):
     return lines
 
 
+def coverage(results, full):
+    """How many runs a figure stands on, and what was left out of the problems of the command."""
+    counts = [len(runs) for by_peer in results.values() for peer, runs in by_peer.items() if peer != "truth"]
+    missing = [name for name in run_peers.problems(full) if name not in results]
+    absent = [peer for peer in run_peers.peers(ROOT) if not any(peer in by_peer for by_peer in results.values())]
+    text = f"Each time is the median of {min(counts)} to {max(counts)} runs; an empty cell was not run."
+    for what, names in (("problems", missing), ("peers", absent)):
+        if names:
+            text += f" This page was made of a narrowed run, without the {what} {', '.join(names)}."
+    return text + "\n"
+
+
 def page(results):
     full = any(by_peer["truth"].get("full") for by_peer in results.values())
     parts = [LICENCE + INTRODUCTION.format(full=" --full" if full else "", machine=machine())]
+    parts.append(coverage(results, full))
     parts.append("## Bars\n\n" + "\n".join(f"- {line}" for line in all_bars(results)) + "\n")
     for family in dict.fromkeys(name.split(" ")[0] for name in results):
         names = [name for name in results if name.split(" ")[0] == family]
