@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include "program.hpp"
+
+namespace raybundle::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kRig = RAYBUNDLE_SOURCE_DIR "/datasets/rigs/rig_26mm_laser.toml";
+
+ProgramRun simulate(const fs::path& folder, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), {"simulate", kRig, "-o", folder.string()});
+  return raybundle_program(arguments);
+}
+
+/// Distances [m] at z = 1 m of the beams from the true ones; of an unknown beam infinite.
+std::vector<double> distances_at_1m(const nlohmann::json& calibration, const nlohmann::json& truth) {
+  const auto place = [](const nlohmann::json& beam) {
+    const nlohmann::json &p = beam["point_m"], &d = beam["direction"];
+    const double along = (1.0 - p[2].get<double>()) / d[2].get<double>();
+    return std::pair(p[0].get<double>() + along * d[0].get<double>(), p[1].get<double>() + along * d[1].get<double>());
+  };
+  std::map<std::pair<int, int>, nlohmann::json> known;
+  for (const nlohmann::json& beam : truth["laser"]["beams"]) known[{beam["row"], beam["column"]}] = beam;
+  std::vector<double> distances;
+  for (const nlohmann::json& beam : calibration["laser"]["beams"]) {
+    const auto [x, y] = place(beam);
+    const auto found = known.find({beam["row"], beam["column"]});
+    const auto [u, v] = found == known.end() ? std::pair<double, double>(INFINITY, INFINITY) : place(found->second);
+    distances.push_back(std::hypot(x - u, y - v));
+  }
+  std::ranges::sort(distances);
+  return distances;
+}
+
+// With dots of 0.1 px and 15 of them on a beam, half of the beams are known to a millimetre at 1 m; a beam with a wrong
+// label would be off by a step of the grid, 15 cm.
+TEST(Laser, ObservationsGiveTheBeamsAndHeldOutBoardsConfirmThem) {
+  const fs::path folder = fresh_folder();
+  ASSERT_EQ(simulate(folder / "sim", {"--frames", "60", "--seed", "7", "--no-images"}).exit_code, 0);
+  ASSERT_EQ(simulate(folder / "other", {"--frames", "20", "--seed", "8", "--no-images"}).exit_code, 0);
+  const nlohmann::json report = calibrate(folder, {"--observations", (folder / "sim/observations.json").string()});
+  EXPECT_LT(report["laser"]["drag_sigmas"].get<double>(), 4.0);
+  EXPECT_GT(report["laser"]["parameters"].size(), 7u);
+  const nlohmann::json calibration = json_of(folder / "out" / "calibration.json");
+  const std::vector<double> distances = distances_at_1m(calibration, json_of(folder / "sim/truth/calibration.json"));
+  ASSERT_GT(distances.size(), 110u);
+  EXPECT_LT(distances[distances.size() / 2], 1e-3);
+  EXPECT_LT(distances[distances.size() * 9 / 10], 5e-3);
+  const nlohmann::json& middle = calibration["laser"]["beams"][distances.size() / 2];
+  EXPECT_EQ(middle["covariance"].size(), 4u);
+  EXPECT_NEAR(middle["depths"][2]["sigma_m"].get<double>(), 3e-3, 2e-3);  // z² sigma / (f b) over the root of the hits
+  EXPECT_GT(calibration["laser"]["label_advice"]["single_candidate_share"].get<double>(), 0.9);
+
+  const std::vector<std::string> held_out{"validate", (folder / "out/calibration.json").string(), "--observations",
+                                          (folder / "other/observations.json").string(), "--json"};
+  const ProgramRun run = raybundle_program(held_out);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json verdict = nlohmann::json::parse(run.out);
+  EXPECT_GT(verdict["laser"]["explained"].get<int>(), verdict["laser"]["dots"].get<int>() * 98 / 100);
+  EXPECT_LT(verdict["laser"]["rms_px"].get<double>(), 0.2);  // of dots of 0.1 px in u and in v
+  std::vector<std::string> gated = held_out;
+  gated.insert(gated.end(), {"--max-plane", "0.01"});
+  EXPECT_EQ(raybundle_program(gated).exit_code, 1);
+}
+
+// The board is found with the laser off, the dots with it on; spots on edges of the print are given up.
+TEST(Laser, ImagesGiveTheBeams) {
+  const fs::path folder = fresh_folder();
+  ASSERT_EQ(simulate(folder / "sim", {"--frames", "40", "--seed", "7"}).exit_code, 0);
+  const nlohmann::json report = calibrate(folder, {(folder / "sim/dataset.toml").string()});
+  const nlohmann::json calibration = json_of(folder / "out" / "calibration.json");
+  const std::vector<double> distances = distances_at_1m(calibration, json_of(folder / "sim/truth/calibration.json"));
+  ASSERT_GT(distances.size(), 90u);
+  EXPECT_LT(distances[distances.size() / 2], 1e-3);
+  EXPECT_LT(distances.back(), 0.05);  // no label is wrong: a step of the grid is 15 cm
+}
+
+// A click on a dot of another beam moves all labels with it; one that is nowhere near a dot is refused.
+TEST(Laser, TheAnchorDecidesWhichBeamIsWhich) {
+  const fs::path folder = fresh_folder();
+  ASSERT_EQ(simulate(folder / "sim", {"--frames", "60", "--seed", "3", "--beams", "19x16", "--no-images"}).exit_code,
+            0);
+  const nlohmann::json exact = json_of(folder / "sim/truth/observations.json");
+  const nlohmann::json& dot = exact["views"][4]["dots"][3];
+  const std::string frame = exact["views"][4]["frame"];
+  const auto anchored = [&](double u, int row, int column) {
+    const std::string anchor = "camera/" + frame + ":" + std::to_string(u) + "," +
+                               std::to_string(dot[1].get<double>()) + "=" + std::to_string(row) + "," +
+                               std::to_string(column);
+    return raybundle_program({"calibrate", "--observations", (folder / "sim/observations.json").string(), "--anchor",
+                              anchor, "-o", (folder / "out").string()});
+  };
+  const ProgramRun right = anchored(dot[0].get<double>() + 1.0, dot[5], dot[6]);
+  ASSERT_EQ(right.exit_code, 0) << right.err;
+  EXPECT_LT(
+      distances_at_1m(json_of(folder / "out/calibration.json"), json_of(folder / "sim/truth/calibration.json")).back(),
+      0.05);
+  EXPECT_EQ(anchored(1e4, dot[5], dot[6]).exit_code, 2);
+  EXPECT_EQ(anchored(dot[0], 16, 0).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace raybundle::testing
