@@ -6,6 +6,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "lens_certainty.hpp"
+#include "lower_optima.hpp"
 #include "raybundle/initialize/other_optima.hpp"
 #include "robust_solve.hpp"
 
@@ -13,13 +15,15 @@ namespace raybundle {
 namespace {
 
 constexpr std::size_t kMostRays = 400;  // of the lens's field, spread over the views
-constexpr double kLower = 1e-7;         // relative: by which another optimum's cost must be lower
-constexpr double kPromising = 1.01;     // times the cost, after the first look
-constexpr int kFirstLook = 30;          // iterations
-constexpr std::size_t kFollowed = 2;    // solves that are followed to their end
-constexpr std::size_t kBudget = 6000;   // corners that decide whether there is a lower optimum
-constexpr std::size_t kOfEachSide = 3;  // cameras along the valley
-constexpr double kMirroredGain = 1e-6;  // relative: by which a mirrored board's squares must be smaller
+constexpr int kRounds = 2;              // from a lower optimum once more
+constexpr double kAlikeSigmas = 3.0;    // two optima of the same corners differ by no more in where they project
+constexpr double kMostAlikePx = 3.0;
+constexpr double kWonBack = 4.0;         // squared sigmas that a turned board may cost at first
+constexpr std::size_t kMostTried = 4;    // boards that are turned one by one
+constexpr std::size_t kMostViews = 100;  // of which one could move the camera
+constexpr std::size_t kOfEachSide = 4;   // cameras along the valley
+constexpr double kReadmitted = 4.0;      // times the limit of outliers
+constexpr double kMirroredGain = 1e-6;   // relative: by which a mirrored board's squares must be smaller
 
 /// The corners in use of a view.
 struct UsedCorners {
@@ -38,106 +42,120 @@ UsedCorners used_corners(const CalibrationProblem& problem, const BundleState& s
   return used;
 }
 
-bool turn_mirrored_boards(const CalibrationProblem& single, BundleState& state) {
-  bool turned = false;
+std::size_t count_used(const BundleState& state) {
+  std::size_t used = 0;
+  for (const std::vector<ObservationFate>& fates : state.fates) {
+    used += static_cast<std::size_t>(std::ranges::count(fates, ObservationFate::kUsed));
+  }
+  return used;
+}
+
+/// A board's other pose, and by how much the cost grows there while the camera stays.
+struct Mirrored {
+  std::size_t view = 0;
+  Rigid3 camera_from_target;
+  double growth = 0.0;  // relative, of the view's squares
+};
+
+std::vector<Mirrored> mirrored_of(const CalibrationProblem& single, const BundleState& state) {
+  std::vector<Mirrored> found;
   for (std::size_t v = 0; v < single.views.size(); ++v) {
     const int pose = state.pose_of_view[v];
     if (pose < 0) continue;
     const UsedCorners used = used_corners(single, state, v);
-    Rigid3& board = state.poses[pose].rig_from_target;
-    const auto mirrored = find_mirrored_pose(state.cameras[0], used.points, used.pixels, board);
-    if (!mirrored || !(mirrored->squares_ratio < 1.0 - kMirroredGain)) continue;
-    board = mirrored->camera_from_target;
+    const auto mirrored =
+        find_mirrored_pose(state.cameras[0], used.points, used.pixels, state.poses[pose].rig_from_target);
+    if (mirrored) found.push_back({v, mirrored->camera_from_target, mirrored->squares_ratio - 1.0});
+  }
+  return found;
+}
+
+bool turn_mirrored_boards(BundleState& state, const std::vector<Mirrored>& mirrored) {
+  bool turned = false;
+  for (const Mirrored& board : mirrored) {
+    if (!(board.growth < -kMirroredGain)) continue;
+    state.poses[state.pose_of_view[board.view]].rig_from_target = board.camera_from_target;
     turned = true;
   }
   return turned;
 }
 
-// Projections that differ by less than this the corners cannot tell apart: some sigmas of what so many corners know.
-double indistinguishable_px(const CalibrationProblem& single, const BundleState& state) {
-  double corners = 0.0, sum_of_sigmas = 0.0;
+// A board that fits its mirrored pose nearly as well may fit it better once the camera has moved too. Tries those by
+// which the cost grows by less than the camera could win back. Of many views no single one moves the camera.
+bool try_mirrored_boards(const CalibrationProblem& single, BundleState& state, std::vector<Mirrored> mirrored,
+                         const CalibrateOptions& options, BundleSummary& summary) {
+  if (single.views.size() > kMostViews) return false;
+  const double variance = std::pow(robust_sigmas(single, state)[0], 2);
+  for (Mirrored& board : mirrored) {
+    double squares = 0.0;
+    const std::vector<Eigen::Vector2d> residuals = view_residuals(single, state, static_cast<int>(board.view));
+    for (std::size_t i = 0; i < residuals.size(); ++i) {
+      if (state.fates[board.view][i] != ObservationFate::kUsed) continue;
+      squares += residuals[i].squaredNorm() / std::pow(single.views[board.view].observations[i].sigma_px, 2);
+    }
+    board.growth *= squares / variance;
+  }
+  std::erase_if(mirrored, [](const Mirrored& board) { return !(board.growth < kWonBack); });
+  std::ranges::stable_sort(mirrored, {}, &Mirrored::growth);
+  if (mirrored.size() > kMostTried) mirrored.resize(kMostTried);
+  BundleOptions bundle;
+  bundle.max_iterations = options.max_iterations;
+  bundle.threads = options.threads;
+  bool turned = false;
+  for (const Mirrored& board : mirrored) {
+    BundleState other = state;
+    other.poses[other.pose_of_view[board.view]].rig_from_target = board.camera_from_target;
+    const BundleSummary of_other = solve_bundle(single, other, bundle);
+    if (of_other.termination == Termination::kFailed) continue;
+    if (!(of_other.final_cost < (1.0 - kMirroredGain) * summary.final_cost)) continue;
+    state = std::move(other);
+    summary = of_other;
+    turned = true;
+  }
+  return turned;
+}
+
+// Other cameras that put rays where the state's does, as near as the corners can tell: twins of the model, and along
+// the valleys that begin here and there.
+std::vector<Camera> cameras_alike(const CalibrationProblem& single, const BundleState& state) {
+  const std::vector<Eigen::Vector3d> rays = rays_seen(single, state);
+  std::vector<Camera> alike = twin_cameras(state.cameras[0], rays);
+  std::vector<Camera> starts{state.cameras[0]};
+  if (!alike.empty()) starts.push_back(alike.front());
+  const double alike_px = std::min(kAlikeSigmas * projection_sigma_px(single, state), kMostAlikePx);
+  for (const Camera& start : starts) {
+    std::ranges::copy(cameras_along_valley(start, rays, alike_px, kOfEachSide), std::back_inserter(alike));
+  }
+  return alike;
+}
+
+// Where the fit swallows much of the noise, a corner that was left out may lie far from a prediction that it would have
+// held in place. Takes such corners in and lets the outlier rule decide once more; more corners in use are better.
+void readmit_corners(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
+                     std::vector<std::string>& reasons, BundleSummary& summary) {
+  const std::size_t unknowns = 6 * single.views.size() + static_cast<std::size_t>(state.cameras[0].parameters.size());
+  if (count_used(state) > 3 * unknowns) return;
+  const double limit = kReadmitted * options.outlier_sigma * robust_sigmas(single, state)[0];
+  BundleState other = state;
   for (std::size_t v = 0; v < single.views.size(); ++v) {
     if (state.pose_of_view[v] < 0) continue;
-    for (const Observation& observation : single.views[v].observations) sum_of_sigmas += observation.sigma_px;
-    corners += static_cast<double>(single.views[v].observations.size());
-  }
-  if (corners == 0.0) return 0.0;
-  const double noise_px = robust_sigmas(single, state)[0] * sum_of_sigmas / corners;
-  const double known = std::sqrt(static_cast<double>(state.cameras[0].parameters.size()) / (2.0 * corners));
-  return noise_px * std::min(10.0 * known, 3.0);
-}
-
-// The state with every so many views only, so that the corners stay within a budget.
-BundleState with_fewer_views(const BundleState& state) {
-  std::size_t corners = 0;
-  for (std::size_t v = 0; v < state.fates.size(); ++v) {
-    if (state.pose_of_view[v] >= 0) corners += state.fates[v].size();
-  }
-  const std::size_t stride = (corners + kBudget - 1) / kBudget;
-  BundleState fewer = state;
-  std::size_t used = 0;
-  for (int& pose : fewer.pose_of_view) {
-    if (pose >= 0 && used++ % stride != 0) pose = -1;
-  }
-  return fewer;
-}
-
-/// Another optimum, or a place on the way to one.
-struct OtherSolve {
-  BundleState state;
-  BundleSummary summary;
-};
-
-// Solves on from other cameras with the boards where they are: all of them for some steps, then the lowest that have
-// not come to rest. Those that are lower than where the state was, the lowest first.
-std::vector<OtherSolve> lower_optima(const CalibrationProblem& single, const BundleState& state, double cost,
-                                     const std::vector<Camera>& others, BundleOptions bundle) {
-  const int most_iterations = bundle.max_iterations;
-  bundle.max_iterations = std::min(most_iterations, kFirstLook);
-  const auto by_cost = [](const OtherSolve& solve) { return solve.summary.final_cost; };
-  std::vector<OtherSolve> solves;
-  for (const Camera& camera : others) {
-    OtherSolve other{state, {}};
-    other.state.cameras[0] = camera;
-    other.summary = solve_bundle(single, other.state, bundle);
-    if (other.summary.termination == Termination::kFailed) continue;
-    const bool at_rest = other.summary.termination == Termination::kConverged;
-    if (other.summary.final_cost < (at_rest ? 1.0 - kLower : kPromising) * cost) solves.push_back(std::move(other));
-  }
-  std::ranges::stable_sort(solves, {}, by_cost);
-  if (solves.size() > kFollowed) solves.resize(kFollowed);
-  bundle.max_iterations = most_iterations;
-  for (OtherSolve& other : solves) {
-    if (other.summary.termination == Termination::kIterationLimit) {
-      other.summary = solve_bundle(single, other.state, bundle);
+    const std::vector<Eigen::Vector2d> residuals = view_residuals(single, state, static_cast<int>(v));
+    for (std::size_t i = 0; i < residuals.size(); ++i) {
+      const bool near = residuals[i].norm() <= limit * single.views[v].observations[i].sigma_px;
+      if (near && state.fates[v][i] == ObservationFate::kOutlier) other.fates[v][i] = ObservationFate::kUsed;
     }
   }
-  std::erase_if(solves, [&](const OtherSolve& other) {
-    return other.summary.termination == Termination::kFailed || !(other.summary.final_cost < (1.0 - kLower) * cost);
-  });
-  std::ranges::stable_sort(solves, {}, by_cost);
-  return solves;
-}
-
-// Moves to the lowest optimum that other cameras lead to, if it is lower than where the state is. Of many views some
-// tell whether there is one.
-bool move_to_lower(const CalibrationProblem& single, BundleState& state, const std::vector<Camera>& others,
-                   const CalibrateOptions& options, BundleSummary& summary) {
-  if (others.empty()) return false;
+  if (count_used(other) == count_used(state)) return;
   BundleOptions bundle;
-  bundle.threads = options.threads;
   bundle.max_iterations = options.max_iterations;
-  BundleState fewer = with_fewer_views(state);
-  const bool all = fewer.pose_of_view == state.pose_of_view;
-  const double cost = all ? summary.final_cost : solve_bundle(single, fewer, bundle).final_cost;
-  std::vector<OtherSolve> lower = lower_optima(single, fewer, cost, others, bundle);
-  if (!all && !lower.empty()) {
-    lower = lower_optima(single, state, summary.final_cost, {lower.front().state.cameras[0]}, bundle);
-  }
-  if (lower.empty()) return false;
-  state = std::move(lower.front().state);
-  summary = lower.front().summary;
-  return true;
+  bundle.threads = options.threads;
+  if (solve_bundle(single, other, bundle).termination == Termination::kFailed) return;
+  std::vector<std::string> other_reasons = reasons;
+  const BundleSummary of_other = solve_without_outliers(single, other, options, false, other_reasons);
+  if (of_other.termination == Termination::kFailed || count_used(other) <= count_used(state)) return;
+  state = std::move(other);
+  reasons = std::move(other_reasons);
+  summary = of_other;
 }
 
 }  // namespace
@@ -158,14 +176,7 @@ std::vector<Eigen::Vector3d> rays_seen(const CalibrationProblem& single, const B
 
 std::vector<std::optional<Rigid3>> mirrored_boards(const CalibrationProblem& single, const BundleState& state) {
   std::vector<std::optional<Rigid3>> camera_from_target(single.views.size());
-  for (std::size_t v = 0; v < single.views.size(); ++v) {
-    const int pose = state.pose_of_view[v];
-    if (pose < 0) continue;
-    const UsedCorners used = used_corners(single, state, v);
-    const Rigid3& board = state.poses[pose].rig_from_target;
-    const auto mirrored = find_mirrored_pose(state.cameras[0], used.points, used.pixels, board);
-    if (mirrored) camera_from_target[v] = mirrored->camera_from_target;
-  }
+  for (const Mirrored& board : mirrored_of(single, state)) camera_from_target[board.view] = board.camera_from_target;
   return camera_from_target;
 }
 
@@ -173,16 +184,21 @@ BundleSummary leave_local_optima(const CalibrationProblem& single, BundleState& 
                                  std::vector<std::string>& reasons, const BundleSummary& solved) {
   if (solved.termination == Termination::kFailed) return solved;
   BundleSummary summary = solved;
-  if (turn_mirrored_boards(single, state)) {
+  std::vector<Mirrored> mirrored = mirrored_of(single, state);
+  if (turn_mirrored_boards(state, mirrored)) {
     summary = solve_without_outliers(single, state, options, false, reasons);
     if (summary.termination == Termination::kFailed) return summary;
+    mirrored = mirrored_of(single, state);
   }
-  const std::vector<Eigen::Vector3d> rays = rays_seen(single, state);
-  std::vector<Camera> others = twin_cameras(state.cameras[0], rays);
-  const double alike_px = indistinguishable_px(single, state);
-  std::ranges::copy(cameras_along_valley(state.cameras[0], rays, alike_px, kOfEachSide), std::back_inserter(others));
-  if (!move_to_lower(single, state, others, options, summary)) return summary;
-  return solve_without_outliers(single, state, options, false, reasons, summary);
+  if (try_mirrored_boards(single, state, std::move(mirrored), options, summary)) {
+    summary = solve_without_outliers(single, state, options, false, reasons, summary);
+  }
+  for (int round = 0; round < kRounds && summary.termination != Termination::kFailed; ++round) {
+    if (!move_to_lower(single, state, cameras_alike(single, state), options, summary)) break;
+    summary = solve_without_outliers(single, state, options, false, reasons, summary);
+  }
+  if (summary.termination != Termination::kFailed) readmit_corners(single, state, options, reasons, summary);
+  return summary;
 }
 
 }  // namespace raybundle

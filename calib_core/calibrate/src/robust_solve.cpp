@@ -93,6 +93,23 @@ void mark_view(const CalibrationProblem& problem, BundleState& state, int view, 
   std::ranges::fill(fates, ObservationFate::kViewSetAside);
 }
 
+// Standard deviation of the noise under distances from a fit that had so many unknowns. The fit swallows the noise of
+// some corners and leaves that of others; where it swallows much, the median tells too little, and the corners that are
+// not outliers tell it by their sum.
+double fitted_sigma(std::vector<double> distances, double unknowns) {
+  const auto degrees_of_freedom = [&](double corners) { return std::max(2.0 * corners - unknowns, 0.5 * corners); };
+  const auto corners = static_cast<double>(distances.size());
+  const double sigma = std::sqrt(2.0 * corners / degrees_of_freedom(corners)) * median(distances) / kRayleighMedian;
+  if (!std::isfinite(sigma) || degrees_of_freedom(corners) > 1.6 * corners) return sigma;
+  double sum = 0.0, right = 0.0;
+  for (const double distance : distances) {
+    if (!(distance <= 5.0 * sigma)) continue;
+    sum += distance * distance;
+    right += 1.0;
+  }
+  return std::max(sigma, std::sqrt(sum / std::max(degrees_of_freedom(right), 1.0)));
+}
+
 }  // namespace
 
 std::vector<double> robust_sigmas(const CalibrationProblem& problem, const BundleState& state) {
@@ -111,10 +128,7 @@ std::vector<double> robust_sigmas(const CalibrationProblem& problem, const Bundl
   }
   std::vector<double> sigmas;
   for (std::size_t c = 0; c < distances.size(); ++c) {
-    const double values = 2.0 * static_cast<double>(distances[c].size());
-    const double free = values - unknowns[c] - static_cast<double>(state.cameras[c].parameters.size());
-    const double fitted = free > 0.25 * values ? std::sqrt(values / free) : 2.0;
-    sigmas.push_back(fitted * median(distances[c]) / kRayleighMedian);
+    sigmas.push_back(fitted_sigma(distances[c], unknowns[c] + static_cast<double>(state.cameras[c].parameters.size())));
   }
   return sigmas;
 }

@@ -22,7 +22,8 @@ constexpr std::size_t kSearchViews = 16;    ///< for the sweep
 constexpr std::size_t kSearchCorners = 30;  ///< of each of them
 constexpr std::size_t kRefineViews = 32;    ///< for the last refinement
 constexpr std::size_t kRefineCorners = 40;
-constexpr double kShareOfViews = 0.7;  ///< a lens under which fewer views fit is looked for once more, thoroughly
+constexpr double kShareOfViews = 0.7;     ///< a lens under which fewer views fit is looked for once more, thoroughly
+constexpr double kOffAxisWeight = 100.0;  ///< of a prior: 0.01 costs as much as one corner that is off by a pixel
 constexpr double kMaxFocalUncertainty = 0.2;  ///< relative; what is left to chance beyond this is not a start
 
 /// The views of a camera with their corners.
@@ -64,11 +65,40 @@ PointsInView covered_field(const std::vector<PointsInView>& views, const LensGue
   return samples;
 }
 
+/// Which parameters of a lens move opposite corners the same way: those of a lens whose parts are off its axis. What
+/// only bends the profile moves them in opposite directions.
+std::vector<bool> off_axis_parameters(const LensFunctions& lens, const LensVector& parameters) {
+  std::vector<bool> off_axis(static_cast<std::size_t>(lens.parameters), false);
+  Eigen::Vector2d pixel;
+  Eigen::Matrix<double, 2, 3, Eigen::RowMajor> wrt_ray;
+  double here[2 * kMaxLensParameters], opposite[2 * kMaxLensParameters];
+  const Eigen::Vector3d ray(0.2, 0.1, 1.0), other(-0.2, -0.1, 1.0);
+  if (!lens.project_with_jacobians(parameters.data(), ray, pixel, wrt_ray, here)) return off_axis;
+  if (!lens.project_with_jacobians(parameters.data(), other, pixel, wrt_ray, opposite)) return off_axis;
+  for (int k = 4; k < lens.parameters; ++k) {
+    const Eigen::Vector2d a(here[k], here[lens.parameters + k]), b(opposite[k], opposite[lens.parameters + k]);
+    off_axis[static_cast<std::size_t>(k)] = (a - b).norm() < (a + b).norm();
+  }
+  return off_axis;
+}
+
+/// What is known of any lens, as weak priors: its axis meets the image near the middle, and its parts are nearly on it.
+void expect_ordinary_lens(const LensFunctions& lens, ImageSize size, const LensVector& parameters,
+                          LensBundleOptions& options) {
+  options.prior_mean.segment<2>(2) << 0.5 * (size.width - 1), 0.5 * (size.height - 1);
+  options.prior_weight.segment<2>(2).setConstant(10.0 / size.width);
+  const std::vector<bool> off_axis = off_axis_parameters(lens, parameters);
+  for (int k = 4; k < lens.parameters; ++k) {
+    if (off_axis[static_cast<std::size_t>(k)]) options.prior_weight[k] = kOffAxisWeight;
+  }
+}
+
 /// Model parameters and poses together, on views that fit; what the conversion from the start lens lost is won back.
-void polish(ModelId model, const std::vector<PointsInView>& views, LensGuess& guess) {
+void polish(ModelId model, ImageSize size, const std::vector<PointsInView>& views, LensGuess& guess) {
   const LensFunctions lens = lens_functions(model);
   for (int round = 0; round < 3; ++round) {
     LensBundleOptions options = model_options(model, guess.parameters, std::max(1.5, 4.0 * guess.score_px));
+    expect_ordinary_lens(lens, size, guess.parameters, options);
     options.max_iterations = 10;
     const int iterations = refine_lens(lens, views, options, guess.parameters, guess.poses).iterations;
     const double before = guess.score_px;
@@ -108,14 +138,14 @@ std::string reason_against_lens(const std::vector<PointsInView>& views, ImageSiz
 }
 
 /// The start lens's rays in the model asked for, on the views that it was found with and then on more of them.
-LensVector lens_in_model(ModelId model, const std::vector<PointsInView>& views, const std::vector<PointsInView>& chosen,
-                         const LensGuess& start) {
+LensVector lens_in_model(ModelId model, ImageSize size, const std::vector<PointsInView>& views,
+                         const std::vector<PointsInView>& chosen, const LensGuess& start) {
   LensGuess guess;
   guess.parameters = fit_model(model, covered_field(chosen, start), start.parameters);
   const LensFunctions lens = lens_functions(model);
   guess.poses = start.poses;
   guess.score_px = robust_score(lens, guess.parameters.data(), chosen, guess.poses);
-  polish(model, chosen, guess);
+  polish(model, size, chosen, guess);
 
   // Once more with more views, those that fit.
   const double threshold = std::clamp(5.0 * guess.score_px, kFitPx, 50.0);
@@ -130,7 +160,7 @@ LensVector lens_in_model(ModelId model, const std::vector<PointsInView>& views, 
   }
   if (fitting.size() < 3) return guess.parameters;
   last.score_px = robust_score(lens, last.parameters.data(), fitting, last.poses);
-  polish(model, fitting, last);
+  polish(model, size, fitting, last);
   return last.parameters;
 }
 
@@ -175,8 +205,8 @@ PosedViews find_lens(const ProblemCamera& camera, const CameraViews& all) {
   if (views.size() < 3) {
     throw Error(ErrorKind::kNotEnoughData,
                 "only " + std::to_string(views.size()) + " of " + std::to_string(all.corners.size()) +
-                    " views show four corners or more that do not lie on one line, and a lens needs two at the very "
-                    "least; take more images of the board",
+                    " views show four corners or more that do not lie on one line, and a lens needs three; take "
+                    "more images of the board",
                 "camera " + camera.name);
   }
   std::vector<PointsInView> chosen;
@@ -186,7 +216,7 @@ PosedViews find_lens(const ProblemCamera& camera, const CameraViews& all) {
   // A quick answer counts only where it can be tested: on views that it was not found with, which it fits plainly.
   const auto first = views.size() > chosen.size() ? search_lens_quickly(chosen, camera.size) : std::nullopt;
   if (first && reason_against_lens(chosen, camera.size, *first).empty()) {
-    quick = posed_views(camera.model, lens_in_model(camera.model, views, chosen, *first), all);
+    quick = posed_views(camera.model, lens_in_model(camera.model, camera.size, views, chosen, *first), all);
     const bool fits_plainly = quick->threshold_px <= kFitPx;
     if (fits_plainly && static_cast<double>(quick->posed()) >= kShareOfViews * static_cast<double>(views.size())) {
       return *quick;
@@ -195,7 +225,7 @@ PosedViews find_lens(const ProblemCamera& camera, const CameraViews& all) {
   const LensGuess start = search_lens(chosen, camera.size);
   const std::string reason = reason_against_lens(chosen, camera.size, start);
   if (!reason.empty()) throw Error(ErrorKind::kNotEnoughData, reason, "camera " + camera.name);
-  PosedViews thorough = posed_views(camera.model, lens_in_model(camera.model, views, chosen, start), all);
+  PosedViews thorough = posed_views(camera.model, lens_in_model(camera.model, camera.size, views, chosen, start), all);
   return quick && quick->posed() > thorough.posed() ? *quick : thorough;
 }
 

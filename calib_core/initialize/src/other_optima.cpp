@@ -20,6 +20,7 @@ constexpr double kFarTimes = 3.0;     ///< the linear prediction exceeds what is
 constexpr double kFarPx = 0.3;        ///< ... and this much
 
 constexpr double kLargestRatio = 4.0;  ///< of the squared distances of a mirrored pose that may be meant
+constexpr double kHopeless = 30.0;     ///< the same, before the pose has settled
 
 double sum_of_squares(const LensFunctions& lens, const LensVector& parameters, const PointsInView& view,
                       const Rigid3& pose) {
@@ -86,10 +87,12 @@ std::optional<MirroredPose> find_mirrored_pose(const Camera& camera, std::span<c
   std::vector<Rigid3> pose{mirrored_pose(camera_from_target, frame)};
   options.max_iterations = 4;  // most boards fit one of the two only, and are soon known to
   refine_lens(lens, {view}, options, parameters, pose);
-  if (!(sum_of_squares(lens, parameters, view, pose[0]) < kLargestRatio * squares)) return std::nullopt;
+  if (!(sum_of_squares(lens, parameters, view, pose[0]) < kHopeless * squares)) return std::nullopt;
   options.max_iterations = 20;
   refine_lens(lens, {view}, options, parameters, pose);
-  return MirroredPose{pose[0], sum_of_squares(lens, parameters, view, pose[0]) / squares};
+  const double ratio = sum_of_squares(lens, parameters, view, pose[0]) / squares;
+  if (!(ratio < kLargestRatio)) return std::nullopt;
+  return MirroredPose{pose[0], ratio};
 }
 
 }  // namespace raybundle

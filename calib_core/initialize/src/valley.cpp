@@ -18,6 +18,7 @@ constexpr std::size_t kSamples = 60;  ///< rays that the projections are compare
 constexpr int kMostSteps = 16;        ///< along the valley to either side
 constexpr int kCorrections = 6;       ///< Gauss-Newton steps back to the valley's floor
 constexpr double kFirstStepPx = 0.5;  ///< of the first step: what the parameters would do one by one
+constexpr double kFarOut = 1e5;       ///< a parameter of the lens's shape: beyond only its neighbours cancel it
 constexpr double kBent = 1.5;         ///< times what is predicted, or the other way round
 constexpr double kGrowth = 1.7;       ///< of the steps
 
@@ -119,7 +120,8 @@ std::vector<LensVector> way_along(const LensFunctions& lens, const PointsInView&
     Place next = place;
     next.lens += stride * direction;
     const auto there = correct(lens, field, direction, next);
-    if (!there || !(there->rms_px <= alike_px) || !(next.lens[0] > 0) || !(next.lens[1] > 0)) {
+    if (!there || !(there->rms_px <= alike_px) || !(next.lens[0] > 0) || !(next.lens[1] > 0) ||
+        next.lens.tail(lens.parameters - 4).cwiseAbs().maxCoeff() > kFarOut) {
       stride *= 0.25;
       if (stride < 0.1) break;
       continue;

@@ -1,0 +1,96 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "lower_optima.hpp"
+
+#include <algorithm>
+
+namespace raybundle {
+namespace {
+
+constexpr double kLower = 1e-7;        // relative: by which another optimum's cost must be lower
+constexpr double kPromising = 1.01;    // times the cost, after the first look
+constexpr int kFirstLook = 30;         // iterations
+constexpr std::size_t kFollowed = 2;   // solves that are followed to their end
+constexpr double kFarOut = 1e6;        // a parameter of the lens's shape
+constexpr std::size_t kBudget = 6000;  // corners that decide whether there is a lower optimum
+
+// The state with every so many views only, so that the corners stay within a budget.
+BundleState with_fewer_views(const BundleState& state) {
+  std::size_t corners = 0;
+  for (std::size_t v = 0; v < state.fates.size(); ++v) {
+    if (state.pose_of_view[v] >= 0) corners += state.fates[v].size();
+  }
+  const std::size_t stride = (corners + kBudget - 1) / kBudget;
+  BundleState fewer = state;
+  std::size_t used = 0;
+  for (int& pose : fewer.pose_of_view) {
+    if (pose >= 0 && used++ % stride != 0) pose = -1;
+  }
+  return fewer;
+}
+
+// Lenses at the end of a valley without one: their parameters cancel each other to the last digit.
+bool far_out(const Camera& camera) {
+  return camera.parameters.tail(camera.parameters.size() - 4).cwiseAbs().maxCoeff() > kFarOut;
+}
+
+/// Another optimum, or a place on the way to one.
+struct OtherSolve {
+  BundleState state;
+  BundleSummary summary;
+};
+
+// Solves on from other cameras with the boards where they are: all of them for some steps, then the lowest that have
+// not come to rest. Those that are lower than where the state was, the lowest first.
+std::vector<OtherSolve> lower_optima(const CalibrationProblem& single, const BundleState& state, double cost,
+                                     const std::vector<Camera>& others, BundleOptions bundle) {
+  const int most_iterations = bundle.max_iterations;
+  bundle.max_iterations = std::min(most_iterations, kFirstLook);
+  const auto by_cost = [](const OtherSolve& solve) { return solve.summary.final_cost; };
+  std::vector<OtherSolve> solves;
+  for (const Camera& camera : others) {
+    OtherSolve other{state, {}};
+    other.state.cameras[0] = camera;
+    other.summary = solve_bundle(single, other.state, bundle);
+    if (other.summary.termination == Termination::kFailed) continue;
+    const bool at_rest = other.summary.termination == Termination::kConverged;
+    if (other.summary.final_cost < (at_rest ? 1.0 - kLower : kPromising) * cost) solves.push_back(std::move(other));
+  }
+  std::ranges::stable_sort(solves, {}, by_cost);
+  if (solves.size() > kFollowed) solves.resize(kFollowed);
+  bundle.max_iterations = most_iterations;
+  for (OtherSolve& other : solves) {
+    if (other.summary.termination == Termination::kIterationLimit) {
+      other.summary = solve_bundle(single, other.state, bundle);
+    }
+  }
+  std::erase_if(solves, [&](const OtherSolve& other) {
+    return other.summary.termination == Termination::kFailed || far_out(other.state.cameras[0]) ||
+           !(other.summary.final_cost < (1.0 - kLower) * cost);
+  });
+  std::ranges::stable_sort(solves, {}, by_cost);
+  return solves;
+}
+
+}  // namespace
+
+bool move_to_lower(const CalibrationProblem& single, BundleState& state, const std::vector<Camera>& others,
+                   const CalibrateOptions& options, BundleSummary& summary) {
+  if (others.empty()) return false;
+  BundleOptions bundle;
+  bundle.threads = options.threads;
+  bundle.max_iterations = options.max_iterations;
+  BundleState fewer = with_fewer_views(state);
+  const bool all = fewer.pose_of_view == state.pose_of_view;
+  const double cost = all ? summary.final_cost : solve_bundle(single, fewer, bundle).final_cost;
+  std::vector<OtherSolve> lower = lower_optima(single, fewer, cost, others, bundle);
+  if (!all && !lower.empty()) {
+    lower = lower_optima(single, state, summary.final_cost, {lower.front().state.cameras[0]}, bundle);
+  }
+  if (lower.empty()) return false;
+  state = std::move(lower.front().state);
+  summary = lower.front().summary;
+  return true;
+}
+
+}  // namespace raybundle
