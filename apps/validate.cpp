@@ -11,6 +11,7 @@
 #include "input_flags.hpp"
 #include "raybundle/calibrate/calibrate.hpp"
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/quantile.hpp"
 #include "raybundle/io/calibration_file.hpp"
 #include "raybundle/uncertainty/held_out_dots.hpp"
 #include "terminal.hpp"
@@ -45,6 +46,7 @@ struct DotsVerdict {
   int dots = 0;
   std::vector<HeldOutDot> explained;
   double rms_px = 0.0;
+  double median_px = 0.0;
   double limit_mm = 0.0;  // 0: none
 
   // Root mean square distance from the boards of the points between two depths [mm]; NaN without any.
@@ -82,14 +84,21 @@ DotsVerdict judge_dots(const Calibration& calibration, const CalibrationProblem&
   const double tolerance_px = calibration.laser->advice ? calibration.laser->advice->ambiguity.tolerance_px : 1.0;
   verdict.explained = explain_dots(calibration, observed, rig_from_target, kTolerances * tolerance_px);
   double squares = 0.0;
-  for (const HeldOutDot& dot : verdict.explained) squares += dot.residual_px.squaredNorm();
+  std::vector<double> distances;
+  for (const HeldOutDot& dot : verdict.explained) {
+    squares += dot.residual_px.squaredNorm();
+    distances.push_back(dot.residual_px.norm());
+  }
+  if (!distances.empty()) verdict.median_px = median(distances);
   verdict.rms_px = std::sqrt(squares / std::max<double>(1.0, static_cast<double>(verdict.explained.size())));
   return verdict;
 }
 
 void print_dots(const DotsVerdict& verdict) {
-  fmt::print("laser: {} of {} dots belong to a beam, {:.3f} px rms from where it meets the board{}\n",
-             verdict.explained.size(), verdict.dots, verdict.rms_px, verdict.passed() ? "" : "  FAIL");
+  fmt::print(
+      "laser: {} of {} dots belong to a beam, {:.3f} px rms and {:.3f} px in the median from where it meets the "
+      "board{}\n",
+      verdict.explained.size(), verdict.dots, verdict.rms_px, verdict.median_px, verdict.passed() ? "" : "  FAIL");
   for (const auto& [nearest, farthest] : kDepthBands) {
     const double mm = verdict.plane_mm(nearest, farthest);
     if (std::isfinite(mm))
@@ -103,9 +112,9 @@ nlohmann::ordered_json json_of(const DotsVerdict& verdict) {
     bands.push_back(
         {{"nearest_m", nearest}, {"farthest_m", farthest}, {"plane_rms_mm", verdict.plane_mm(nearest, farthest)}});
   }
-  return {{"dots", verdict.dots},     {"explained", verdict.explained.size()},
-          {"rms_px", verdict.rms_px}, {"plane_rms_mm", verdict.plane_mm()},
-          {"bands", bands},           {"passed", verdict.passed()}};
+  return {{"dots", verdict.dots},           {"explained", verdict.explained.size()}, {"rms_px", verdict.rms_px},
+          {"median_px", verdict.median_px}, {"plane_rms_mm", verdict.plane_mm()},    {"bands", bands},
+          {"passed", verdict.passed()}};
 }
 
 double limit_px(const ValidateFlags& flags, const CalibrationFile& file, const std::string& camera) {

@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <map>
+#include <sstream>
 
 #include "program.hpp"
 
@@ -105,6 +108,69 @@ TEST(Laser, TheAnchorDecidesWhichBeamIsWhich) {
       0.05);
   EXPECT_EQ(anchored(1e4, dot[5], dot[6]).exit_code, 2);
   EXPECT_EQ(anchored(dot[0], 16, 0).exit_code, 2);
+}
+
+// The pixels of a video projector as beams whose labels are known. One row of the table is one dot.
+struct ProjectorDot {
+  int capture = 0, u = 0, v = 0;
+  double x = 0.0, y = 0.0;
+};
+
+std::vector<ProjectorDot> projector_dots(const fs::path& path) {
+  std::vector<ProjectorDot> dots;
+  std::istringstream lines(text_of(path));
+  for (std::string line; std::getline(lines, line);) {
+    ProjectorDot dot;
+    const int fields = std::sscanf(line.c_str(), "%d,%d,%d,%lf,%lf", &dot.capture, &dot.u, &dot.v, &dot.x, &dot.y);
+    if (fields == 5) dots.push_back(dot);
+  }
+  return dots;
+}
+
+/// The observations of some captures, with the projector's dots: those beside the board, too.
+void write_captures(const fs::path& path, nlohmann::json observations, const std::vector<ProjectorDot>& dots,
+                    const std::function<bool(const std::string&)>& wanted) {
+  constexpr int kStepPx = 32;  // of the projector, between dots
+  nlohmann::json views = nlohmann::json::array();
+  for (nlohmann::json view : observations["views"]) {
+    const std::string frame = view["frame"];
+    if (!wanted(frame)) continue;
+    view["dots"] = nlohmann::json::array();
+    for (const ProjectorDot& dot : dots) {
+      if (std::to_string(dot.capture) != frame) continue;
+      view["dots"].push_back({dot.x, dot.y, 0.04, 0, 0.04, dot.v / kStepPx, dot.u / kStepPx, 0});
+    }
+    views.push_back(view);
+  }
+  observations["views"] = views;
+  observations["laser"] = {{"rows", 40}, {"columns", 60}};
+  write_text(path, observations.dump());
+}
+
+// Real light: four poses calibrated, the dots of the fifth predicted on its board, every pose left out in turn. A beam
+// was met two or three times by the board; dots that are not on it count for nothing.
+TEST(Laser, RealProjectorDotsAreWhereTheOtherPosesSay) {
+  RAYBUNDLE_NEEDS_DATA("procam_virtual_dots");
+  const fs::path data = real_data("procam_virtual_dots"), folder = fresh_folder();
+  const ProgramRun detected =
+      raybundle_program({"detect", "--target", "chessboard:9x7:20mm", "--camera",
+                         "camera=" + (data / "white_capture_*.png").string(), "-o", (folder / "found.json").string()});
+  ASSERT_EQ(detected.exit_code, 0) << detected.err;
+  const nlohmann::json observations = json_of(folder / "found.json");
+  const std::vector<ProjectorDot> dots = projector_dots(data / "virtual_dots.csv");
+  for (const std::string left_out : observations["frames"]) {
+    write_captures(folder / "four.json", observations, dots, [&](const auto& frame) { return frame != left_out; });
+    write_captures(folder / "fifth.json", observations, dots, [&](const auto& frame) { return frame == left_out; });
+    const nlohmann::json report =
+        calibrate(folder, {"--observations", (folder / "four.json").string(), "--model", "brown_conrady"});
+    EXPECT_GT(report["laser"]["dots_unlabelled"].get<int>(), 800) << "beside the board";
+    const ProgramRun run = raybundle_program({"validate", (folder / "out/calibration.json").string(), "--observations",
+                                              (folder / "fifth.json").string(), "--max-rms", "1", "--json"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const nlohmann::json laser = nlohmann::json::parse(run.out)["laser"];
+    EXPECT_GT(laser["explained"].get<int>(), 25) << left_out;
+    EXPECT_LT(laser["median_px"].get<double>(), 0.5) << left_out;
+  }
 }
 
 }  // namespace

@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <map>
 
 #include "beam_ranges.hpp"
+#include "dots_on_boards.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/quantile.hpp"
 #include "raybundle/initialize/beam_start.hpp"
@@ -47,23 +48,29 @@ std::vector<double> whitened_distances(const CalibrationProblem& problem, const 
 
 bool takes_part(ObservationFate fate) { return fate == ObservationFate::kUsed || fate == ObservationFate::kOutlier; }
 
-/// Robust size of the dots' errors over what their sigmas say. Residuals are smaller than errors, by the four unknowns
-/// that each beam takes from its dots.
+/// Robust size of the dots' errors over what their sigmas say, by the beams with more dots than determine a line. Their
+/// residuals are smaller than the errors, by the four unknowns that each beam takes from its dots.
 double robust_scale(const CalibrationProblem& problem, const BundleState& state) {
-  std::vector<double> distances;
-  std::set<int> beams;
+  constexpr std::size_t kFewestDots = 3;  // of a beam
+  constexpr std::size_t kFewest = 20;     // of all: fewer tell less than what is stated
+  std::map<int, std::vector<double>> distances_of_beam;
   for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
     const std::vector<double> of_view = whitened_distances(problem, state, v);
     for (std::size_t i = 0; i < of_view.size(); ++i) {
-      if (!takes_part(state.dot_fates[v][i]) || !std::isfinite(of_view[i])) continue;
-      distances.push_back(of_view[i]);
-      beams.insert(problem.views[v].dots[i].beam);
+      const bool counts = takes_part(state.dot_fates[v][i]) && std::isfinite(of_view[i]);
+      if (counts) distances_of_beam[problem.views[v].dots[i].beam].push_back(of_view[i]);
     }
   }
-  if (distances.empty()) return 1.0;
+  std::vector<double> distances;
+  double unknowns = 0.0;
+  for (const auto& [beam, of_beam] : distances_of_beam) {
+    if (of_beam.size() < kFewestDots) continue;
+    distances.insert(distances.end(), of_beam.begin(), of_beam.end());
+    unknowns += 4.0;
+  }
+  if (distances.size() < kFewest) return 1.0;
   const double equations = 2.0 * static_cast<double>(distances.size());
-  const double left = std::max(equations - 4.0 * static_cast<double>(beams.size()), 0.1 * equations);
-  return median(distances) / kRayleighMedian * std::sqrt(equations / left);
+  return median(distances) / kRayleighMedian * std::sqrt(equations / (equations - unknowns));
 }
 
 void scale_corners(CalibrationProblem& problem, double scale) {
@@ -180,16 +187,17 @@ void count_dots(LaserSolve& solve) {
   if (solve.laser.dots_used > 0) solve.laser.rms_px = std::sqrt(squares / solve.laser.dots_used);
 }
 
-/// Half of what lies between beams is the most that a tolerance can be; four sigmas of a dot lose one in thousands.
+/// Four sigmas of a dot, as its residuals have shown them, lose one in thousands.
 double label_tolerance_px(const LaserSolve& solve) {
-  std::vector<double> distances;
-  for (int v = 0; v < static_cast<int>(solve.problem.views.size()); ++v) {
-    const std::vector<Eigen::Vector2d> residuals = dot_residuals(solve.problem, solve.state, v);
-    for (std::size_t i = 0; i < residuals.size(); ++i) {
-      if (solve.state.dot_fates[v][i] == ObservationFate::kUsed) distances.push_back(residuals[i].norm());
+  std::vector<double> sigmas;
+  for (std::size_t v = 0; v < solve.problem.views.size(); ++v) {
+    for (std::size_t i = 0; i < solve.problem.views[v].dots.size(); ++i) {
+      if (solve.state.dot_fates[v][i] != ObservationFate::kUsed) continue;
+      sigmas.push_back(std::sqrt(0.5 * solve.problem.views[v].dots[i].covariance_px2.trace()));
     }
   }
-  return std::max(4.0 * median(distances) / kRayleighMedian, 0.05);
+  constexpr double kLeastPx = 0.05;  // exact data: rounding is not to decide
+  return std::max(4.0 * median(sigmas), kLeastPx);
 }
 
 }  // namespace
@@ -201,9 +209,11 @@ bool has_dots(const CalibrationProblem& problem) {
 LaserSolve solve_with_dots(const CalibrationProblem& problem, const BundleState& cameras, double corner_scale,
                            const CalibrateOptions& options, const BundleOptions& bundle) {
   LaserSolve solve{problem, cameras, bundle, {}, {}, {}};
-  const BeamStart start = initialize_beams(scene_of(problem, cameras));
+  const std::vector<std::vector<bool>> on_board = dots_on_boards(problem, cameras);
+  const CalibrationProblem seen = with_dots(problem, on_board);
+  const BeamStart start = initialize_beams(scene_of(seen, cameras));
   scale_corners(solve.problem, corner_scale);
-  label_dots(start.beam_of_dot, solve.problem);
+  label_dots(for_all_dots(start.beam_of_dot, on_board, kUnlabelled), solve.problem);
   solve.state.beams = start.lines;
   solve.pattern = {.grid = problem.laser->grid,
                    .beams = {},
