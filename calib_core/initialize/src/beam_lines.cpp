@@ -5,7 +5,6 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -16,6 +15,7 @@ namespace {
 constexpr double kOnLine = 16.0;         // squared sigmas: beyond the 99.9 % point of two degrees of freedom
 constexpr int kMinHits = 4;              // two make a line, two more confirm it
 constexpr double kMinRangeRatio = 1.25;  // of the hits that a trial line goes through: it interpolates more than not
+constexpr int kManyHits = 8;             // of a line that no chance makes
 constexpr int kSeedLines = 24;           // enough for the projector's place
 constexpr long kMaxTrials = 20'000'000;  // pairs in the search for seeds
 constexpr double kMinShareSeen = 0.5;    // of the views that should show a dot of the line
@@ -58,22 +58,33 @@ HitsOfView by_view(const std::vector<BeamHit>& hits) {
   return result;
 }
 
-// Hits that a trial line passes, one for each view; empty as soon as too many views miss the dot they should show.
+// Whether the views that should show a dot of the line do so mostly.
+bool seen_mostly(const Line3& line, const std::vector<int>& on_line, const LaserBoards& boards,
+                 const std::vector<BeamHit>& hits, const HitsOfView& of_view) {
+  int missed = 0;
+  std::size_t next = 0;  // hits on the line are in the order of their views
+  for (const auto& [view, members] : of_view) {
+    if (next < on_line.size() && hits[on_line[next]].view == view) {
+      ++next;
+    } else {
+      missed += boards.expects_dot(view, line);
+    }
+  }
+  return static_cast<double>(on_line.size()) >= kMinShareSeen * static_cast<double>(on_line.size() + missed);
+}
+
+// Hits that a trial line passes, one for each view; empty when they are few or too many views miss the dot they should
+// show.
 std::vector<int> supporters(const TrialLine& trial, const LaserBoards& boards, const std::vector<BeamHit>& hits,
                             const HitsOfView& of_view) {
-  constexpr int kPatience = 3;
   std::vector<int> found;
-  int missed = 0;
+  int left = static_cast<int>(of_view.size());
   for (const auto& [view, members] : of_view) {
     const auto on_line = std::ranges::find_if(members, [&](int i) { return trial.passes(hits[i]); });
-    if (on_line != members.end()) {
-      found.push_back(*on_line);
-    } else if (boards.expects_dot(view, trial.line)) {
-      ++missed;
-    }
-    if (missed > kPatience && missed > (1 - kMinShareSeen) * static_cast<double>(missed + found.size())) return {};
+    if (on_line != members.end()) found.push_back(*on_line);
+    if (static_cast<int>(found.size()) + --left < kMinHits) return {};
   }
-  return found;
+  return seen_mostly(trial.line, found, boards, hits, of_view) ? found : std::vector<int>{};
 }
 
 // Views in the order of how far away their dots are: lines are tried between the nearest and the farthest.
@@ -90,35 +101,68 @@ std::vector<int> views_by_range(const std::vector<BeamHit>& hits, const HitsOfVi
   return views;
 }
 
-std::vector<HitLine> seed_lines(const LaserScene& scene, const std::vector<BeamHit>& hits) {
-  const LaserBoards boards(scene);
-  const HitsOfView of_view = by_view(hits);
-  const std::vector<int> views = views_by_range(hits, of_view);
-  const int count = static_cast<int>(views.size());
-  std::vector<HitLine> seeds;
-  std::vector<bool> taken(hits.size(), false);
-  long trials = 0;
-  for (int reach = count - 1; reach > 0; --reach) {  // the widest differences of range first
-    for (int first = 0; first + reach < count; ++first) {
-      for (int a : of_view.at(views[first])) {
-        for (int b : of_view.at(views[first + reach])) {
-          if (taken[a] || taken[b] || range(hits[b]) < kMinRangeRatio * range(hits[a])) continue;
-          if (++trials > kMaxTrials) return seeds;
-          HitLine line{.line = {}, .hits = supporters({hits[a], hits[b]}, boards, hits, of_view)};
-          if (static_cast<int>(line.hits.size()) < 2 * kMinHits && static_cast<int>(line.hits.size()) < count) continue;
-          if (static_cast<int>(line.hits.size()) < kMinHits) continue;
-          line.line = line_between(hits[a], hits[b]);
-          refit(hits, line);
-          if (static_cast<int>(line.hits.size()) < kMinHits) continue;
-          for (int i : line.hits) taken[i] = true;
-          seeds.push_back(std::move(line));
-          if (static_cast<int>(seeds.size()) == kSeedLines) return seeds;
+/// Search for lines by pairs of hits. Those with many hits are taken at once; the others are kept to choose from.
+class SeedSearch {
+ public:
+  SeedSearch(const LaserScene& scene, const std::vector<BeamHit>& hits)
+      : hits_(hits), boards_(scene), of_view_(by_view(hits)), taken_(hits.size(), false) {}
+
+  std::vector<HitLine> run() {
+    const std::vector<int> views = views_by_range(hits_, of_view_);
+    const int count = static_cast<int>(views.size());
+    for (int reach = count - 1; reach > 0; --reach) {  // the widest differences of range first
+      for (int first = 0; first + reach < count && !enough(); ++first) {
+        try_views(of_view_.at(views[first]), of_view_.at(views[first + reach]));
+      }
+    }
+    take_longest();
+    return std::move(seeds_);
+  }
+
+ private:
+  bool enough() const { return static_cast<int>(seeds_.size()) >= kSeedLines || trials_ > kMaxTrials; }
+
+  void try_views(const std::vector<int>& near, const std::vector<int>& far) {
+    for (int a : near) {
+      for (int b : far) {
+        if (taken_[a] || taken_[b] || range(hits_[b]) < kMinRangeRatio * range(hits_[a])) continue;
+        ++trials_;
+        HitLine line{.line = line_between(hits_[a], hits_[b]),
+                     .hits = supporters({hits_[a], hits_[b]}, boards_, hits_, of_view_)};
+        if (static_cast<int>(line.hits.size()) < kMinHits) continue;
+        refit(hits_, line);
+        if (static_cast<int>(line.hits.size()) >= kManyHits) {
+          take(line);
+        } else if (static_cast<int>(line.hits.size()) >= kMinHits) {
+          short_lines_.push_back(std::move(line));
         }
+        if (enough()) return;
       }
     }
   }
-  return seeds;
-}
+
+  void take(const HitLine& line) {
+    for (int i : line.hits) taken_[i] = true;
+    seeds_.push_back(line);
+  }
+
+  void take_longest() {
+    std::ranges::stable_sort(short_lines_, std::ranges::greater{},
+                             [](const HitLine& line) { return line.hits.size(); });
+    for (const HitLine& line : short_lines_) {
+      if (enough()) return;
+      if (std::ranges::none_of(line.hits, [&](int i) { return taken_[i]; })) take(line);
+    }
+  }
+
+  const std::vector<BeamHit>& hits_;
+  LaserBoards boards_;
+  HitsOfView of_view_;
+  std::vector<bool> taken_;
+  std::vector<HitLine> seeds_;
+  std::vector<HitLine> short_lines_;
+  long trials_ = 0;
+};
 
 /// Where the beams seem to come from, and how far they pass it by.
 struct Source {
@@ -143,21 +187,28 @@ std::optional<Eigen::Vector3d> closest_point(const Line3& a, const Line3& b) {
   return 0.5 * (a.at(on_a) + b.at(on_b));
 }
 
-// Median over pairs of lines, then reweighted least squares: a wrong line among the seeds does not count.
+std::vector<double> distances_from(const std::vector<HitLine>& lines, const Eigen::Vector3d& apex) {
+  std::vector<double> distances;
+  for (const HitLine& line : lines) distances.push_back(distance_between(line.line, apex));
+  return distances;
+}
+
+// Of the places where two lines come near each other the one that most lines pass closely, then reweighted least
+// squares: chance lines among the seeds go elsewhere and do not count.
 std::optional<Source> source_of(const std::vector<HitLine>& lines) {
-  std::array<std::vector<double>, 3> places;
+  constexpr std::size_t kFewestLines = 4;  // two meet anywhere; more are a projector
+  if (lines.size() < kFewestLines) return std::nullopt;
+  Source source{.spread_m = INFINITY};
   for (std::size_t i = 0; i < lines.size(); ++i) {
     for (std::size_t k = i + 1; k < lines.size(); ++k) {
       const std::optional<Eigen::Vector3d> place = closest_point(lines[i].line, lines[k].line);
-      for (int axis = 0; place && axis < 3; ++axis) places[axis].push_back((*place)[axis]);
+      const double spread_m = place ? median(distances_from(lines, *place)) : INFINITY;
+      if (spread_m < source.spread_m) source = {*place, spread_m};
     }
   }
-  if (places[0].empty()) return std::nullopt;
-  Source source;
-  source.apex << median(places[0]), median(places[1]), median(places[2]);
-  std::vector<double> distances(lines.size());
+  if (!std::isfinite(source.spread_m)) return std::nullopt;
   for (int iteration = 0; iteration < 10; ++iteration) {
-    for (std::size_t i = 0; i < lines.size(); ++i) distances[i] = distance_between(lines[i].line, source.apex);
+    const std::vector<double> distances = distances_from(lines, source.apex);
     source.spread_m = std::max(1e-4, median(distances));
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
@@ -227,6 +278,77 @@ HitLine best_line(int hit, const std::vector<int>& candidates, const std::vector
   return best;
 }
 
+/// Shares the hits out to lines once the source is known.
+class LineSearch {
+ public:
+  LineSearch(const LaserScene& scene, const std::vector<BeamHit>& hits, const Source& source)
+      : hits_(hits),
+        source_(source),
+        boards_(scene),
+        of_view_(by_view(hits)),
+        directions_(hits, source),
+        taken_(hits.size(), false) {}
+
+  std::vector<HitLine> run() {
+    std::vector<int> far_first(hits_.size());
+    std::iota(far_first.begin(), far_first.end(), 0);
+    std::ranges::sort(far_first, {}, [&](int i) { return std::pair(-directions_.range(i), i); });
+    for (int hit : far_first) {
+      if (!taken_[hit]) take_line_through(hit);
+    }
+    for (int hit : far_first) {
+      if (!taken_[hit]) take_line_from_source(hit);
+    }
+    return std::move(lines_);
+  }
+
+ private:
+  std::vector<int> free_hits_near(int hit) const {
+    std::vector<int> candidates = directions_.near(hit);
+    std::erase_if(candidates, [&](int i) { return taken_[i]; });
+    std::ranges::sort(candidates);  // by view
+    return candidates;
+  }
+
+  void take(HitLine line) {
+    for (int i : line.hits) taken_[i] = true;
+    lines_.push_back(std::move(line));
+  }
+
+  void take_line_through(int hit) {
+    HitLine line = best_line(hit, free_hits_near(hit), hits_, directions_);
+    refit(hits_, line);
+    if (static_cast<int>(line.hits.size()) < kMinHits) return;
+    if ((line.line.point - source_.apex).dot(line.line.direction) < 0.0) line.line.direction *= -1.0;
+    take(std::move(line));
+  }
+
+  // The source stands in for the hits that the line lacks.
+  void take_line_from_source(int hit) {
+    constexpr double kSigmas = 2.0;  // of the apex, in median distances: the beams at the rim pass it by farther
+    constexpr std::size_t kFewestHits = 2;
+    const double sigma_m = kSigmas * source_.spread_m;
+    const BeamHit apex{
+        .view = -1, .dot = -1, .x_in_rig = source_.apex, .covariance = sigma_m * sigma_m * Eigen::Matrix3d::Identity()};
+    const TrialLine trial(apex, hits_[hit]);
+    HitLine line{.line = trial.line, .hits = {}, .leans_on_source = true};
+    for (int i : free_hits_near(hit)) {
+      const bool first_of_view = line.hits.empty() || hits_[line.hits.back()].view != hits_[i].view;
+      if (first_of_view && trial.passes(hits_[i])) line.hits.push_back(i);
+    }
+    if (line.hits.size() < kFewestHits || !seen_mostly(line.line, line.hits, boards_, hits_, of_view_)) return;
+    take(std::move(line));
+  }
+
+  const std::vector<BeamHit>& hits_;
+  const Source& source_;
+  LaserBoards boards_;
+  HitsOfView of_view_;
+  Directions directions_;
+  std::vector<bool> taken_;
+  std::vector<HitLine> lines_;
+};
+
 }  // namespace
 
 void refit(const std::vector<BeamHit>& hits, HitLine& line) {
@@ -247,28 +369,8 @@ void refit(const std::vector<BeamHit>& hits, HitLine& line) {
 }
 
 std::vector<HitLine> lines_through_hits(const LaserScene& scene, const std::vector<BeamHit>& hits) {
-  const std::vector<HitLine> seeds = seed_lines(scene, hits);
-  const std::optional<Source> source = source_of(seeds);
-  if (!source) return {};
-  const Directions directions(hits, *source);
-  std::vector<int> far_first(hits.size());
-  std::iota(far_first.begin(), far_first.end(), 0);
-  std::ranges::sort(far_first, {}, [&](int i) { return std::pair(-directions.range(i), i); });
-  std::vector<bool> taken(hits.size(), false);
-  std::vector<HitLine> lines;
-  for (int hit : far_first) {
-    if (taken[hit]) continue;
-    std::vector<int> candidates = directions.near(hit);
-    std::erase_if(candidates, [&](int i) { return taken[i]; });
-    std::ranges::sort(candidates);  // by view
-    HitLine line = best_line(hit, candidates, hits, directions);
-    refit(hits, line);
-    if (static_cast<int>(line.hits.size()) < kMinHits) continue;
-    if ((line.line.point - source->apex).dot(line.line.direction) < 0.0) line.line.direction *= -1.0;
-    for (int i : line.hits) taken[i] = true;
-    lines.push_back(std::move(line));
-  }
-  return lines;
+  const std::optional<Source> source = source_of(SeedSearch(scene, hits).run());
+  return source ? LineSearch(scene, hits, *source).run() : std::vector<HitLine>{};
 }
 
 }  // namespace raybundle

@@ -59,7 +59,7 @@ BeamLines unlabelled_lines(const LaserScene& scene, const std::vector<BeamHit>& 
   start.origin_guessed = origin.guessed;
   BeamLines lines;
   for (std::size_t l = 0; l < found.size(); ++l) {
-    if (origin.beam_of_line[l] != kUnlabelled) lines[origin.beam_of_line[l]] = found[l];
+    if (origin.beam_of_line[l] != kUnlabelled && !found[l].leans_on_source) lines[origin.beam_of_line[l]] = found[l];
   }
   return lines;
 }
