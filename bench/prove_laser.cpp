@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "laser_figures.hpp"
 #include "raybundle/calibrate/calibrate.hpp"
 #include "raybundle/geometry/quantile.hpp"
 #include "raybundle/synthetic/simulate.hpp"
@@ -21,6 +22,7 @@
 namespace {
 
 using namespace raybundle;
+using namespace raybundle::bench;
 
 struct Figures {
   double depth_bias_mm = 0.0;  // of exact dots at 1 m: median over the beams of the absolute error
@@ -34,27 +36,6 @@ struct Figures {
   double squared_sigmas = 0.0;  // of the beams' four parameters, summed
   int parameters = 0;
 };
-
-const LaserBeam* beam_of(const LaserPattern& pattern, int row, int column) {
-  const auto found =
-      std::ranges::find_if(pattern.beams, [&](const LaserBeam& b) { return b.row == row && b.column == column; });
-  return found == pattern.beams.end() ? nullptr : &*found;
-}
-
-double depth_bias_mm(const Calibration& truth, const Calibration& found) {
-  std::vector<double> errors;
-  for (const LaserBeam& beam : truth.laser->beams) {
-    const LaserBeam* ours = beam_of(*found.laser, beam.row, beam.column);
-    const RigCamera& camera = truth.cameras[0];
-    const Line3 line{camera.camera_from_rig * beam.line.point, camera.camera_from_rig.rotation * beam.line.direction};
-    const Eigen::Vector3d place = line.at((1.0 - line.point.z()) / line.direction.z());
-    const auto pixel = pixel_from_ray(camera.camera, place);
-    if (ours == nullptr || !pixel) continue;
-    const auto at = point_on_beam(found.cameras[0], ours->line, *pixel, (place - ours->line.point).norm());
-    if (at) errors.push_back(1e3 * std::abs((found.cameras[0].camera_from_rig * *at).z() - 1.0));
-  }
-  return errors.empty() ? INFINITY : median(errors);
-}
 
 /// Root mean square distance from the boards [mm] of points within a tenth of a depth.
 double planes_mm(const std::vector<HeldOutDot>& dots, double depth_m) {
