@@ -173,5 +173,18 @@ TEST(Laser, RealProjectorDotsAreWhereTheOtherPosesSay) {
   }
 }
 
+// A laser line's scanner: its images with the laser off calibrate the camera. Its own parameters took the centres of
+// ellipses for those of circles, which is worth some tenths of a percent.
+TEST(Laser, ImagesOfALineScannerWithTheLaserOffCalibrateItsCamera) {
+  RAYBUNDLE_NEEDS_DATA("linelight_zhao");
+  const nlohmann::json report =
+      calibrate(fresh_folder(), {"--target", "circles:7x7:20mm", "--model", "brown_conrady", "--camera",
+                                 "camera=" + (real_data("linelight_zhao") / "calib_picture/*.jpg").string()});
+  const nlohmann::json& camera = camera_in(report, "camera");
+  EXPECT_EQ(camera["views_used"], 12);
+  EXPECT_LT(camera["rms_px"].get<double>(), 0.1);
+  EXPECT_NEAR(camera["parameters"]["fx"].get<double>(), 1144.4, 0.005 * 1144.4);
+}
+
 }  // namespace
 }  // namespace raybundle::testing
