@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <opencv2/imgproc.hpp>
 
 #include "laser_dots_gates.hpp"
 #include "laser_dots_peaks.hpp"
@@ -165,10 +166,31 @@ double median_noise(const DotImages& images) {
   return std::sqrt(images.noise.variance(static_cast<double>(*middle)));
 }
 
+// The region as a mask; everything without one.
+cv::Mat mask_of(const std::vector<Eigen::Vector2d>& region, cv::Size size) {
+  if (region.empty()) return {size, CV_8U, cv::Scalar(1)};
+  std::vector<cv::Point> corners;
+  for (const Eigen::Vector2d& corner : region) corners.emplace_back(cvRound(corner.x()), cvRound(corner.y()));
+  cv::Mat mask(size, CV_8U, cv::Scalar(0));
+  cv::fillConvexPoly(mask, corners, cv::Scalar(1));
+  return mask;
+}
+
+// The noise of the whole image may not be that of the region: the difference of a pair shows it.
+void raise_noise(const DotOptions& options, DotImages& images) {
+  if (!images.pair()) return;
+  const double excess = noise_excess(images, kFirstSigma, mask_of(options.region, images.on.size()));
+  if (!(excess > 1.0)) return;
+  images.noise.read_variance *= excess * excess;
+  images.noise.shot_variance *= excess * excess;
+  images.variance *= excess * excess;
+}
+
 }  // namespace
 
 FoundDots find_dots(const cv::Mat& on, const cv::Mat* off, const DotOptions& options) {
-  const DotImages images = dot_images(on, off, options);
+  DotImages images = dot_images(on, off, options);
+  raise_noise(options, images);
   const Finder finder(images, options);
   const double sigma = finder.spot_sigma();
   FoundDots found;

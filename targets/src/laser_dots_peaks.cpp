@@ -5,6 +5,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "raybundle/geometry/quantile.hpp"
+
 namespace raybundle {
 namespace {
 
@@ -20,9 +22,14 @@ bool is_peak(const cv::Mat& response, int x, int y, int radius) {
   return true;
 }
 
-}  // namespace
+struct Response {
+  cv::Mat matched;
+  double kernel_squares = 0.0;  // variance of the response over that of the pixels
+  double peak = 0.0;            // of the kernel
+};
 
-std::vector<SpotPeak> spot_peaks(const DotImages& images, double sigma_px, double least_significance) {
+// Of a spot's matched filter without mean.
+Response response_of(const DotImages& images, double sigma_px) {
   // Without a laser-off image the filter must be short, lest printed edges drown what lies beside them.
   const int radius = static_cast<int>(images.pair() ? std::ceil(3 * sigma_px) + 1 : std::ceil(2.5 * sigma_px));
   const int side = 2 * radius + 1;
@@ -30,13 +37,33 @@ std::vector<SpotPeak> spot_peaks(const DotImages& images, double sigma_px, doubl
   double squares = 0;
   for (int i = 0; i < side; ++i) squares += std::pow(static_cast<double>(kernel.at<float>(i)), 2);
   const double mean = 1.0 / (side * side);
-  const double kernel_squares = squares * squares - mean;  // of the kernel without its mean
-  const double peak = std::pow(static_cast<double>(kernel.at<float>(radius)), 2);
-  cv::Mat matched, average;
-  cv::sepFilter2D(images.signal, matched, CV_32F, kernel, kernel);
+  Response response{{}, squares * squares - mean, std::pow(static_cast<double>(kernel.at<float>(radius)), 2)};
+  cv::Mat average;
+  cv::sepFilter2D(images.signal, response.matched, CV_32F, kernel, kernel);
   cv::boxFilter(images.signal, average, CV_32F, {side, side});
-  cv::subtract(matched, average, matched);
+  cv::subtract(response.matched, average, response.matched);
+  return response;
+}
 
+}  // namespace
+
+double noise_excess(const DotImages& images, double sigma_px, const cv::Mat& in_region) {
+  constexpr std::size_t kFewest = 500;                  // pixels
+  constexpr double kNormalMedian = 0.6744897501960817;  // of |x|
+  const Response response = response_of(images, sigma_px);
+  std::vector<double> sizes;
+  for (int y = 0; y < in_region.rows; ++y) {
+    for (int x = 0; x < in_region.cols; ++x) {
+      if (in_region.at<unsigned char>(y, x) == 0) continue;
+      const double variance = static_cast<double>(images.variance.at<float>(y, x)) * response.kernel_squares;
+      sizes.push_back(std::abs(static_cast<double>(response.matched.at<float>(y, x))) / std::sqrt(variance));
+    }
+  }
+  return sizes.size() < kFewest ? 1.0 : median(sizes) / kNormalMedian;
+}
+
+std::vector<SpotPeak> spot_peaks(const DotImages& images, double sigma_px, double least_significance) {
+  const auto [matched, kernel_squares, peak] = response_of(images, sigma_px);
   std::vector<SpotPeak> peaks;
   const int apart = std::max(1, static_cast<int>(std::lround(sigma_px)));
   const float floor = static_cast<float>(least_significance * least_significance * kernel_squares);
