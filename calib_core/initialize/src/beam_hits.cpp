@@ -46,7 +46,8 @@ std::optional<BeamHit> hit_on_board(const ViewGeometry& geometry, const Rigid3& 
   const std::optional<Eigen::Vector3d> x = geometry.x_in_target(dot.pixel);
   if (!x || (*x - line->point).dot(line->direction) <= 0.0) return std::nullopt;
   const Eigen::Vector3d normal = geometry.surface.normal(x->x(), x->y(), geometry.shape).normalized();
-  if (std::abs(normal.dot(line->direction)) < kMinCosine) return std::nullopt;
+  const double cosine = std::abs(normal.dot(line->direction));
+  if (cosine < kMinCosine) return std::nullopt;
   Eigen::Matrix<double, 3, 2> wrt_pixel;
   for (int axis = 0; axis < 2; ++axis) {
     const Eigen::Vector2d step = kStepPx * Eigen::Vector2d::Unit(axis);
@@ -59,6 +60,7 @@ std::optional<BeamHit> hit_on_board(const ViewGeometry& geometry, const Rigid3& 
   BeamHit hit;
   hit.x_in_rig = rig_from_target * *x;
   hit.covariance = wrt_pixel * covariance_px2 * wrt_pixel.transpose();
+  hit.cosine = cosine;
   return hit;
 }
 

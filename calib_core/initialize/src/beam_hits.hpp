@@ -16,6 +16,7 @@ struct BeamHit {
   int dot = 0;
   Eigen::Vector3d x_in_rig = Eigen::Vector3d::Zero();    ///< [m]
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< [m²], of rank two: the point cannot leave the board
+  double cosine = 1.0;  ///< between the camera's ray and the board's normal: matt paper sends less light aside
 };
 
 /// Hits of all dots of used views, in the order of views and dots. Left out are dots whose ray grazes the board: there

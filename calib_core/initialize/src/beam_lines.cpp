@@ -15,7 +15,7 @@ namespace {
 constexpr double kOnLine = 16.0;         // squared sigmas: beyond the 99.9 % point of two degrees of freedom
 constexpr int kMinHits = 4;              // two make a line, two more confirm it
 constexpr double kMinRangeRatio = 1.25;  // of the hits that a trial line goes through: it interpolates more than not
-constexpr int kManyHits = 8;             // of a line that no chance makes
+constexpr int kManyHits = 6;             // of a line that chance hardly makes
 constexpr int kSeedLines = 24;           // enough for the projector's place
 constexpr long kMaxTrials = 20'000'000;  // pairs in the search for seeds
 constexpr double kMinShareSeen = 0.5;    // of the views that should show a dot of the line

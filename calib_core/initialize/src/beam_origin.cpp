@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <limits>
 
+#include "grating_fit.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/quantile.hpp"
 
 namespace raybundle {
 namespace {
+
+constexpr std::size_t kFewestToTell = 12;  // lines: more than the common model's 12 parameters need
 
 using Places = std::vector<std::optional<LatticePlace>>;
 
@@ -61,20 +64,29 @@ std::vector<Shift> shifts_into(const LaserGrid& grid, const Extent& rows, const 
   return shifts;
 }
 
+// The dot nearest to the click, and the line that passes it: the line may have taken another dot of that view.
 const LatticePlace& place_of_anchor(const CalibrationProblem& problem, const std::vector<BeamHit>& hits,
                                     const std::vector<HitLine>& lines, const Places& places) {
   constexpr double kNearPx = 30.0;  // a click by hand
+  constexpr double kOnLine = 25.0;  // squared sigmas
   const LaserAnchor& anchor = *problem.laser->anchor;
-  double nearest = kNearPx;
+  double nearest_px = kNearPx;
+  const BeamHit* clicked = nullptr;
+  for (const BeamHit& hit : hits) {
+    if (hit.view != anchor.view) continue;
+    const double distance_px = (problem.views[anchor.view].dots[hit.dot].pixel - anchor.pixel).norm();
+    if (distance_px >= nearest_px) continue;
+    nearest_px = distance_px;
+    clicked = &hit;
+  }
+  double nearest = kOnLine;
   const LatticePlace* found = nullptr;
-  for (std::size_t l = 0; l < lines.size(); ++l) {
-    for (int i : lines[l].hits) {
-      if (!places[l] || hits[i].view != anchor.view) continue;
-      const double distance = (problem.views[anchor.view].dots[hits[i].dot].pixel - anchor.pixel).norm();
-      if (distance >= nearest) continue;
-      nearest = distance;
-      found = &*places[l];
-    }
+  for (std::size_t l = 0; l < lines.size() && clicked != nullptr; ++l) {
+    const bool own = std::ranges::any_of(lines[l].hits, [&](int i) { return &hits[i] == clicked; });
+    const double distance = own ? 0.0 : squared_sigmas(lines[l].line, *clicked);
+    if (!places[l] || distance >= nearest) continue;
+    nearest = distance;
+    found = &*places[l];
   }
   if (found == nullptr) {
     throw Error(ErrorKind::kBadInput,
@@ -84,32 +96,69 @@ const LatticePlace& place_of_anchor(const CalibrationProblem& problem, const std
   return *found;
 }
 
-// How much light a line's dots send, whatever their distance: the upper quartile, because ink hides some of it.
-double light_of(const CalibrationProblem& problem, const std::vector<BeamHit>& hits, const HitLine& line) {
-  constexpr std::size_t kFewestHits = 3;
+// How much light a line's dots send, whatever their distance and the board's tilt: the upper quartile, because ink
+// hides some of it. Nothing with too few of them to say.
+std::optional<double> light_of(const CalibrationProblem& problem, const std::vector<BeamHit>& hits,
+                               const HitLine& line) {
+  constexpr std::size_t kFewestHits = 4;  // fewer may all lie on ink
   std::vector<double> values;
   for (int i : line.hits) {
-    values.push_back(problem.views[hits[i].view].dots[hits[i].dot].brightness * hits[i].x_in_rig.squaredNorm());
+    const Dot& dot = problem.views[hits[i].view].dots[hits[i].dot];
+    values.push_back(dot.brightness * hits[i].x_in_rig.squaredNorm() / hits[i].cosine);
   }
-  return values.size() < kFewestHits ? 0.0 : quantile(values, 0.75);
+  return values.size() < kFewestHits ? std::nullopt : std::optional(quantile(values, 0.75));
 }
 
 // The shifts that call one of the brightest of the beams in question the brightest; all when brightness does not tell.
+// A beam of which too little was seen may be it as long as no other outshines the usual beam.
 std::vector<Shift> brightest_shifts(const CalibrationProblem& problem, const std::vector<BeamHit>& hits,
                                     const std::vector<HitLine>& lines, const Places& places,
                                     const std::vector<Shift>& shifts) {
-  constexpr double kPlainly = 0.85;  // of the most light: as bright, as far as ink and speckle let one say
-  std::vector<double> light(shifts.size(), 0.0);
-  for (std::size_t s = 0; s < shifts.size(); ++s) {
-    for (std::size_t l = 0; l < lines.size(); ++l) {
-      const bool meant = places[l] && beam_at(problem.laser->grid, *places[l], shifts[s]) == *problem.laser->brightest;
-      if (meant) light[s] = std::max(light[s], light_of(problem, hits, lines[l]));
+  constexpr double kPlainly = 0.85;    // of the most light: as bright, as far as ink and speckle let one say
+  constexpr double kOutshines = 1.25;  // of the usual beam's light
+  std::vector<std::optional<double>> light(shifts.size());
+  std::vector<double> usual;
+  for (std::size_t l = 0; l < lines.size(); ++l) {
+    const std::optional<double> sent = light_of(problem, hits, lines[l]);
+    if (!places[l] || !sent) continue;
+    usual.push_back(*sent);
+    for (std::size_t s = 0; s < shifts.size(); ++s) {
+      if (beam_at(problem.laser->grid, *places[l], shifts[s]) == *problem.laser->brightest) light[s] = sent;
     }
   }
-  const double most = *std::ranges::max_element(light);
+  const double most = std::ranges::max_element(light)->value_or(0.0);
+  const bool outshines = !usual.empty() && most > kOutshines * quantile(usual, 0.75);
   std::vector<Shift> kept;
   for (std::size_t s = 0; s < shifts.size(); ++s) {
-    if (light[s] >= kPlainly * most) kept.push_back(shifts[s]);
+    if (light[s] ? *light[s] >= kPlainly * most : !outshines) kept.push_back(shifts[s]);
+  }
+  return kept;
+}
+
+// The shifts for which the lines follow the common model about as well as for any: its lens bends the beams around the
+// zero order. All when the model does not tell.
+std::vector<Shift> fitting_shifts(const LaserGrid& grid, int zero_order, const std::vector<HitLine>& lines,
+                                  const Places& places, const std::vector<Shift>& shifts) {
+  constexpr std::size_t kMostShifts = 32;  // a fit each
+  constexpr double kAboutAsWell = 2.0;     // as the best
+  if (shifts.size() > kMostShifts) return shifts;
+  std::vector<double> rms_rad;
+  for (const Shift shift : shifts) {
+    std::vector<OrderedLine> ordered;
+    for (std::size_t l = 0; l < lines.size(); ++l) {
+      if (!places[l] || lines[l].leans_on_source) continue;
+      ordered.push_back({.m = static_cast<double>(places[l]->column + shift.column - grid.column(zero_order)),
+                         .n = static_cast<double>(places[l]->row + shift.row - grid.row(zero_order)),
+                         .line = lines[l].line});
+    }
+    if (ordered.size() < kFewestToTell) return shifts;
+    const std::optional<GratingFit> fit = fit_grating(ordered);
+    rms_rad.push_back(fit ? fit->rms_rad : std::numeric_limits<double>::infinity());
+  }
+  const double best_rad = *std::ranges::min_element(rms_rad);
+  std::vector<Shift> kept;
+  for (std::size_t s = 0; s < shifts.size(); ++s) {
+    if (rms_rad[s] <= kAboutAsWell * best_rad) kept.push_back(shifts[s]);
   }
   return kept;
 }
@@ -153,6 +202,11 @@ BeamOrigin beam_origin(const CalibrationProblem& problem, const std::vector<Beam
     const LatticePlace& place = place_of_anchor(problem, hits, lines, given_places);
     const LatticePlace anchored = places == given_places ? place : LatticePlace{place.column, place.row};
     keep("the anchor", [&](Shift shift) { return beam_at(laser.grid, anchored, shift) == laser.anchor->beam; });
+  }
+  if (laser.brightest && shifts.size() > 1) {
+    std::vector<Shift> fitting = fitting_shifts(laser.grid, *laser.brightest, lines, places, shifts);
+    if (fitting.size() < shifts.size()) origin.reason = "the lens's bending of the lattice about the brightest beam";
+    shifts = std::move(fitting);
   }
   if (laser.brightest && shifts.size() > 1) {
     std::vector<Shift> kept = brightest_shifts(problem, hits, lines, places, shifts);
