@@ -176,21 +176,20 @@ cv::Mat mask_of(const std::vector<Eigen::Vector2d>& region, cv::Size size) {
   return mask;
 }
 
-// The noise of the whole image may not be that of the region: the difference of a pair shows it.
-void raise_noise(const DotOptions& options, DotImages& images) {
-  if (!images.pair()) return;
+// The noise of the whole image may not be that of the region: the difference of a pair shows by how much spots have to
+// stand out more.
+DotOptions heeding_noise(const DotImages& images, DotOptions options) {
+  if (!images.pair()) return options;
   const double excess = noise_excess(images, kFirstSigma, mask_of(options.region, images.on.size()));
-  if (!(excess > 1.0)) return;
-  images.noise.read_variance *= excess * excess;
-  images.noise.shot_variance *= excess * excess;
-  images.variance *= excess * excess;
+  options.least_significance *= std::max(1.0, excess);
+  return options;
 }
 
 }  // namespace
 
-FoundDots find_dots(const cv::Mat& on, const cv::Mat* off, const DotOptions& options) {
-  DotImages images = dot_images(on, off, options);
-  raise_noise(options, images);
+FoundDots find_dots(const cv::Mat& on, const cv::Mat* off, const DotOptions& given) {
+  const DotImages images = dot_images(on, off, given);
+  const DotOptions options = heeding_noise(images, given);
   const Finder finder(images, options);
   const double sigma = finder.spot_sigma();
   FoundDots found;
