@@ -337,6 +337,9 @@ class LineSearch {
       if (first_of_view && trial.passes(hits_[i])) line.hits.push_back(i);
     }
     if (line.hits.size() < kFewestHits || !seen_mostly(line.line, line.hits, boards_, hits_, of_view_)) return;
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (int i : line.hits) middle += hits_[i].x_in_rig / static_cast<double>(line.hits.size());
+    line.line = {middle, (middle - source_.apex).normalized()};
     take(std::move(line));
   }
 

@@ -141,12 +141,14 @@ std::vector<Shift> fitting_shifts(const LaserGrid& grid, int zero_order, const s
                                   const Places& places, const std::vector<Shift>& shifts) {
   constexpr std::size_t kMostShifts = 32;  // a fit each
   constexpr double kAboutAsWell = 2.0;     // as the best
+  constexpr int kManyLines = 24;           // that need no help from lines that lean on the source
   if (shifts.size() > kMostShifts) return shifts;
+  const auto sure = std::ranges::count(lines, false, &HitLine::leans_on_source);
   std::vector<double> rms_rad;
   for (const Shift shift : shifts) {
     std::vector<OrderedLine> ordered;
     for (std::size_t l = 0; l < lines.size(); ++l) {
-      if (!places[l] || lines[l].leans_on_source) continue;
+      if (!places[l] || (lines[l].leans_on_source && sure >= kManyLines)) continue;
       ordered.push_back({.m = static_cast<double>(places[l]->column + shift.column - grid.column(zero_order)),
                          .n = static_cast<double>(places[l]->row + shift.row - grid.row(zero_order)),
                          .line = lines[l].line});

@@ -59,19 +59,27 @@ BeamLines unlabelled_lines(const LaserScene& scene, const std::vector<BeamHit>& 
   start.origin_guessed = origin.guessed;
   BeamLines lines;
   for (std::size_t l = 0; l < found.size(); ++l) {
-    if (origin.beam_of_line[l] != kUnlabelled && !found[l].leans_on_source) lines[origin.beam_of_line[l]] = found[l];
+    if (origin.beam_of_line[l] != kUnlabelled) lines[origin.beam_of_line[l]] = found[l];
   }
   return lines;
 }
 
+bool sure_line(const BeamLines& lines, int beam) {
+  const auto found = lines.find(beam);
+  return found != lines.end() && !found->second.leans_on_source;
+}
+
 void fit_common_model(const LaserScene& scene, const BeamLines& lines, BeamStart& start) {
+  constexpr int kManyLines = 24;            // that need no help from lines that lean on the source
   constexpr double kMaxShareOfPitch = 0.1;  // a projector that is farther from a grating is none
   const ProblemLaser& laser = *scene.problem.laser;
   const int size = laser.grid.size();
   start.zero_order_row = laser.brightest ? laser.grid.row(*laser.brightest) : 0.5 * (laser.grid.rows - 1);
   start.zero_order_column = laser.brightest ? laser.grid.column(*laser.brightest) : 0.5 * (laser.grid.columns - 1);
   std::vector<OrderedLine> ordered;
+  const auto sure = std::ranges::count_if(lines, [](const auto& entry) { return !entry.second.leans_on_source; });
   for (const auto& [beam, line] : lines) {
+    if (line.leans_on_source && sure >= kManyLines) continue;
     ordered.push_back(
         {laser.grid.column(beam) - start.zero_order_column, laser.grid.row(beam) - start.zero_order_row, line.line});
   }
@@ -82,7 +90,7 @@ void fit_common_model(const LaserScene& scene, const BeamLines& lines, BeamStart
   start.grating = fit->grating;
   start.grating_rms_rad = fit->rms_rad;
   for (int beam = 0; beam < size; ++beam) {
-    if (start.lines[beam] || std::ranges::count(laser.missing, beam) > 0) continue;
+    if (sure_line(lines, beam) || std::ranges::count(laser.missing, beam) > 0) continue;
     start.lines[beam] = beam_of_order(fit->grating, laser.grid.column(beam) - start.zero_order_column,
                                       laser.grid.row(beam) - start.zero_order_row);
   }
@@ -101,7 +109,7 @@ Candidate beam_of_hit(const BeamHit& hit, const BeamLines& fitted, const BeamSta
     if (!start.lines[beam]) continue;
     const Line3& line = *start.lines[beam];
     const double range = (hit.x_in_rig - line.point).norm();
-    const double unsure_m = fitted.contains(beam) ? 0.0 : start.grating_rms_rad * range;
+    const double unsure_m = sure_line(fitted, beam) ? 0.0 : start.grating_rms_rad * range;
     if (distance_between(line, hit.x_in_rig) > 0.1 * hit.x_in_rig.norm()) continue;
     const Candidate candidate{beam, squared_sigmas(line, hit, unsure_m * unsure_m * Eigen::Matrix3d::Identity())};
     if (candidate.squared_sigmas < best.squared_sigmas) {
