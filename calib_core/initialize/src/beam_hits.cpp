@@ -83,6 +83,11 @@ std::vector<BeamHit> hits_on_boards(const LaserScene& scene) {
   return hits;
 }
 
+std::optional<BeamHit> hit_at(const LaserScene& scene, int view, const Eigen::Vector2d& pixel) {
+  if (!scene.rig_from_target[view]) return std::nullopt;
+  return hit_on_board(geometry_of(scene, view), *scene.rig_from_target[view], {.pixel = pixel});
+}
+
 double squared_sigmas(const Line3& line, const BeamHit& hit, const Eigen::Matrix3d& line_covariance) {
   const Eigen::Matrix<double, 3, 2> basis = across(line.direction);
   const Eigen::Vector2d distance = basis.transpose() * (hit.x_in_rig - line.point);

@@ -23,6 +23,10 @@ struct BeamHit {
 /// the place along the ray, hence along the beam, is hardly determined.
 std::vector<BeamHit> hits_on_boards(const LaserScene& scene);
 
+/// Hit of a ray through any pixel of a view, for a dot that may not be in the list; nothing for views that are not
+/// used, and as for hits_on_boards().
+std::optional<BeamHit> hit_at(const LaserScene& scene, int view, const Eigen::Vector2d& pixel);
+
 /// Squared distance of a hit from a line, in sigmas of the hit plus `line_covariance` [m²] of the line at that place.
 /// About chi-squared with two degrees of freedom when the beam made the dot.
 double squared_sigmas(const Line3& line, const BeamHit& hit,

@@ -64,34 +64,28 @@ std::vector<Shift> shifts_into(const LaserGrid& grid, const Extent& rows, const 
   return shifts;
 }
 
-// The dot nearest to the click, and the line that passes it: the line may have taken another dot of that view.
-const LatticePlace& place_of_anchor(const CalibrationProblem& problem, const std::vector<BeamHit>& hits,
-                                    const std::vector<HitLine>& lines, const Places& places) {
-  constexpr double kNearPx = 30.0;  // a click by hand
-  constexpr double kOnLine = 25.0;  // squared sigmas
-  const LaserAnchor& anchor = *problem.laser->anchor;
-  double nearest_px = kNearPx;
-  const BeamHit* clicked = nullptr;
-  for (const BeamHit& hit : hits) {
-    if (hit.view != anchor.view) continue;
-    const double distance_px = (problem.views[anchor.view].dots[hit.dot].pixel - anchor.pixel).norm();
-    if (distance_px >= nearest_px) continue;
-    nearest_px = distance_px;
-    clicked = &hit;
-  }
-  double nearest = kOnLine;
+// The line that passes nearest to the click, by far: the dot itself may have been left out.
+const LatticePlace& place_of_anchor(const LaserScene& scene, const std::vector<HitLine>& lines, const Places& places) {
+  constexpr double kNear2 = 30.0 * 30.0;  // squared sigmas, of about a pixel: a click by hand
+  constexpr double kByFar2 = 2.0 * 2.0;   // a third of the way between two dots at the most
+  const LaserAnchor& anchor = *scene.problem.laser->anchor;
+  const std::optional<BeamHit> clicked = hit_at(scene, anchor.view, anchor.pixel);
+  double nearest = std::numeric_limits<double>::infinity(), second = nearest;
   const LatticePlace* found = nullptr;
-  for (std::size_t l = 0; l < lines.size() && clicked != nullptr; ++l) {
-    const bool own = std::ranges::any_of(lines[l].hits, [&](int i) { return &hits[i] == clicked; });
-    const double distance = own ? 0.0 : squared_sigmas(lines[l].line, *clicked);
-    if (!places[l] || distance >= nearest) continue;
+  for (std::size_t l = 0; l < lines.size() && clicked; ++l) {
+    if (!places[l]) continue;
+    const double distance = squared_sigmas(lines[l].line, *clicked);
+    second = std::min(second, std::max(nearest, distance));
+    if (distance >= nearest) continue;
     nearest = distance;
     found = &*places[l];
   }
-  if (found == nullptr) {
-    throw Error(ErrorKind::kBadInput,
-                "the laser's anchor is not within 30 px of a dot that lines up with others; click on another dot",
-                view_name(problem, problem.views[anchor.view]));
+  if (found == nullptr || nearest > kNear2 || second < kByFar2 * nearest) {
+    throw Error(
+        ErrorKind::kBadInput,
+        "the laser's anchor is not within 30 px of a dot that lines up with others, and nearer to it than to any "
+        "second one; click on another dot",
+        view_name(scene.problem, scene.problem.views[anchor.view]));
   }
   return *found;
 }
@@ -173,8 +167,9 @@ void transpose(Places& places) {
 
 }  // namespace
 
-BeamOrigin beam_origin(const CalibrationProblem& problem, const std::vector<BeamHit>& hits,
-                       const std::vector<HitLine>& lines, const Places& given_places) {
+BeamOrigin beam_origin(const LaserScene& scene, const std::vector<BeamHit>& hits, const std::vector<HitLine>& lines,
+                       const Places& given_places) {
+  const CalibrationProblem& problem = scene.problem;
   const ProblemLaser& laser = *problem.laser;
   Places places = given_places;
   Extent rows = extent_of(places, &LatticePlace::row);
@@ -201,7 +196,7 @@ BeamOrigin beam_origin(const CalibrationProblem& problem, const std::vector<Beam
     }
   };
   if (laser.anchor) {
-    const LatticePlace& place = place_of_anchor(problem, hits, lines, given_places);
+    const LatticePlace& place = place_of_anchor(scene, lines, given_places);
     const LatticePlace anchored = places == given_places ? place : LatticePlace{place.column, place.row};
     keep("the anchor", [&](Shift shift) { return beam_at(laser.grid, anchored, shift) == laser.anchor->beam; });
   }

@@ -22,8 +22,8 @@ struct BeamOrigin {
 /// missing beams. What these leave open is settled by taking the middle, and `reason` says so.
 ///
 /// @throws Error(kNotEnoughData) when the lattice has more rows or columns than the grid; Error(kBadInput) when the
-///         anchor is not near a dot on a line, or nothing agrees with what is said of the beams
-BeamOrigin beam_origin(const CalibrationProblem& problem, const std::vector<BeamHit>& hits,
-                       const std::vector<HitLine>& lines, const std::vector<std::optional<LatticePlace>>& places);
+///         anchor is not near one line only, or nothing agrees with what is said of the beams
+BeamOrigin beam_origin(const LaserScene& scene, const std::vector<BeamHit>& hits, const std::vector<HitLine>& lines,
+                       const std::vector<std::optional<LatticePlace>>& places);
 
 }  // namespace raybundle

@@ -54,7 +54,7 @@ BeamLines unlabelled_lines(const LaserScene& scene, const std::vector<BeamHit>& 
                     std::to_string(hits.size()) + " dots, " + std::to_string(found.size()) +
                     " lines); take 20 or more poses at distances that differ by half");
   }
-  const BeamOrigin origin = beam_origin(scene.problem, hits, found, places);
+  const BeamOrigin origin = beam_origin(scene, hits, found, places);
   start.origin = origin.reason;
   start.origin_guessed = origin.guessed;
   BeamLines lines;
