@@ -9,6 +9,8 @@
 #include <map>
 #include <numeric>
 
+#include "beam_source.hpp"
+
 namespace raybundle {
 namespace {
 
@@ -164,70 +166,10 @@ class SeedSearch {
   long trials_ = 0;
 };
 
-/// Where the beams seem to come from, and how far they pass it by.
-struct Source {
-  Eigen::Vector3d apex = Eigen::Vector3d::Zero();
-  double spread_m = 0.0;
-};
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-// Halfway between the places where two lines come nearest to each other; nothing when they are nearly parallel.
-std::optional<Eigen::Vector3d> closest_point(const Line3& a, const Line3& b) {
-  const double cosine = a.direction.dot(b.direction);
-  const double sine2 = 1.0 - cosine * cosine;
-  if (sine2 < 1e-4) return std::nullopt;
-  const Eigen::Vector3d arm = b.point - a.point;
-  const double on_a = (arm.dot(a.direction) - cosine * arm.dot(b.direction)) / sine2;
-  const double on_b = (cosine * arm.dot(a.direction) - arm.dot(b.direction)) / sine2;
-  return 0.5 * (a.at(on_a) + b.at(on_b));
-}
-
-std::vector<double> distances_from(const std::vector<HitLine>& lines, const Eigen::Vector3d& apex) {
-  std::vector<double> distances;
-  for (const HitLine& line : lines) distances.push_back(distance_between(line.line, apex));
-  return distances;
-}
-
-// Of the places where two lines come near each other the one that most lines pass closely, then reweighted least
-// squares: chance lines among the seeds go elsewhere and do not count.
-std::optional<Source> source_of(const std::vector<HitLine>& lines) {
-  constexpr std::size_t kFewestLines = 4;  // two meet anywhere; more are a projector
-  if (lines.size() < kFewestLines) return std::nullopt;
-  Source source{.spread_m = INFINITY};
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    for (std::size_t k = i + 1; k < lines.size(); ++k) {
-      const std::optional<Eigen::Vector3d> place = closest_point(lines[i].line, lines[k].line);
-      const double spread_m = place ? median(distances_from(lines, *place)) : INFINITY;
-      if (spread_m < source.spread_m) source = {*place, spread_m};
-    }
-  }
-  if (!std::isfinite(source.spread_m)) return std::nullopt;
-  for (int iteration = 0; iteration < 10; ++iteration) {
-    const std::vector<double> distances = distances_from(lines, source.apex);
-    source.spread_m = std::max(1e-4, median(distances));
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    for (std::size_t i = 0; i < lines.size(); ++i) {
-      const Line3& line = lines[i].line;
-      const double weight = 1.0 / (1.0 + std::pow(distances[i] / source.spread_m, 2));
-      const Eigen::Matrix3d across_line = Eigen::Matrix3d::Identity() - line.direction * line.direction.transpose();
-      normal += weight * across_line;
-      right += weight * across_line * line.point;
-    }
-    source.apex = normal.ldlt().solve(right);
-  }
-  return source;
-}
-
 /// Hits as seen from the source, sorted so that those in nearly the same direction are found quickly.
 class Directions {
  public:
-  Directions(const std::vector<BeamHit>& hits, const Source& source) : order_(hits.size()) {
+  Directions(const std::vector<BeamHit>& hits, const BeamSource& source) : order_(hits.size()) {
     constexpr double kSpreads = 4.0;  // lines pass the apex by up to this many median distances
     for (const BeamHit& hit : hits) {
       const Eigen::Vector3d arm = hit.x_in_rig - source.apex;
@@ -281,7 +223,7 @@ HitLine best_line(int hit, const std::vector<int>& candidates, const std::vector
 /// Shares the hits out to lines once the source is known.
 class LineSearch {
  public:
-  LineSearch(const LaserScene& scene, const std::vector<BeamHit>& hits, const Source& source)
+  LineSearch(const LaserScene& scene, const std::vector<BeamHit>& hits, const BeamSource& source)
       : hits_(hits),
         source_(source),
         boards_(scene),
@@ -344,7 +286,7 @@ class LineSearch {
   }
 
   const std::vector<BeamHit>& hits_;
-  const Source& source_;
+  const BeamSource& source_;
   LaserBoards boards_;
   HitsOfView of_view_;
   Directions directions_;
@@ -372,7 +314,9 @@ void refit(const std::vector<BeamHit>& hits, HitLine& line) {
 }
 
 std::vector<HitLine> lines_through_hits(const LaserScene& scene, const std::vector<BeamHit>& hits) {
-  const std::optional<Source> source = source_of(SeedSearch(scene, hits).run());
+  std::vector<Line3> seeds;
+  for (const HitLine& line : SeedSearch(scene, hits).run()) seeds.push_back(line.line);
+  const std::optional<BeamSource> source = source_of(seeds);
   return source ? LineSearch(scene, hits, *source).run() : std::vector<HitLine>{};
 }
 
