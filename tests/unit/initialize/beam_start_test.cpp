@@ -88,6 +88,35 @@ INSTANTIATE_TEST_SUITE_P(Grids, BeamLabels,
                          ::testing::Combine(::testing::Values(11, 16), ::testing::Values(11, 19),
                                             ::testing::Values(0.0, 0.21, -0.4), ::testing::Values(1U, 2U)));
 
+// Fewer dots on each beam, so that fewer lines are beyond doubt.
+class FewViews : public ::testing::TestWithParam<std::tuple<int, unsigned>> {};
+
+TEST_P(FewViews, LabelMostDotsAndNoneWrong) {
+  const auto [columns, seed] = GetParam();
+  SyntheticWorld world = testing::synthetic_world(laser_rig_options(14, seed));
+  const LaserTruth truth = add_laser(world, {.grid = {.rows = 11, .columns = columns},
+                                             .missed_fraction = 0.1,
+                                             .spurious_fraction = 0.05,
+                                             .brightest_factor = 1.6,
+                                             .seed = seed});
+  world.problem.laser->brightest = world.problem.laser->grid.index(5, columns / 2);
+  const BeamStart start = initialize_beams(true_scene(world));
+  const Score labels = score(start, truth);
+  EXPECT_EQ(labels.wrong, 0) << labels.right << " right, " << labels.missing << " missing; " << start.origin;
+  EXPECT_GE(labels.right, 19 * labels.missing) << start.origin;
+  EXPECT_FALSE(start.origin_guessed) << start.origin;
+}
+
+INSTANTIATE_TEST_SUITE_P(BeamGrids, FewViews,
+                         ::testing::Combine(::testing::Values(11, 19), ::testing::Values(1U, 2U, 3U, 4U, 5U, 6U)));
+
+TEST(BeamStart, RefusesAGridSmallerThanTheOneSeen) {
+  SyntheticWorld world = testing::synthetic_world(laser_rig_options(40, 1));
+  add_laser(world, {});
+  world.problem.laser->grid = {.rows = 9, .columns = 9};
+  EXPECT_THROW(initialize_beams(true_scene(world)), Error);
+}
+
 TEST(BeamStart, KeepsTheLabelsThatDotsHave) {
   SyntheticWorld world = testing::synthetic_world(laser_rig_options(12, 4));
   const LaserTruth truth = add_laser(world, {.labelled = true});
