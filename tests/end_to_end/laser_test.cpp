@@ -163,7 +163,7 @@ TEST(Laser, RealProjectorDotsAreWhereTheOtherPosesSay) {
     write_captures(folder / "fifth.json", observations, dots, [&](const auto& frame) { return frame == left_out; });
     const nlohmann::json report =
         calibrate(folder, {"--observations", (folder / "four.json").string(), "--model", "brown_conrady"});
-    EXPECT_GT(report["laser"]["dots_unlabelled"].get<int>(), 800) << "beside the board";
+    EXPECT_GT(report["laser"]["dots_unlabelled"].get<int>(), 700) << "most of 1100 lie beside the board";
     const ProgramRun run = raybundle_program({"validate", (folder / "out/calibration.json").string(), "--observations",
                                               (folder / "fifth.json").string(), "--max-rms", "1", "--json"});
     ASSERT_EQ(run.exit_code, 0) << run.err;

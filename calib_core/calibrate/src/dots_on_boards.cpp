@@ -11,6 +11,8 @@
 namespace raybundle {
 namespace {
 
+constexpr double kMargin = 1.5;  // spacings: a chessboard's outermost squares and the white around them
+
 /// Typical distance of a point to the nearest other one [m].
 double spacing_m(const Target& target) {
   std::vector<double> distances;
@@ -29,7 +31,7 @@ double spacing_m(const Target& target) {
 
 std::vector<std::vector<bool>> dots_on_boards(const CalibrationProblem& problem, const BundleState& state) {
   std::vector<double> margins_m;
-  for (const Target& target : problem.targets) margins_m.push_back(spacing_m(target));
+  for (const Target& target : problem.targets) margins_m.push_back(kMargin * spacing_m(target));
   std::vector<std::vector<bool>> on;
   for (std::size_t v = 0; v < problem.views.size(); ++v) {
     const TargetView& view = problem.views[v];

@@ -9,7 +9,7 @@
 namespace raybundle {
 
 /// Which dots lie on their board: where the camera's ray meets it amid its points, or no farther beyond the outermost
-/// than these are apart. All dots of views that are not used are off.
+/// than one and a half times what these are apart. All dots of views that are not used are off.
 ///
 /// @return  aligned with problem.views and their dots
 std::vector<std::vector<bool>> dots_on_boards(const CalibrationProblem& problem, const BundleState& state);
