@@ -104,12 +104,8 @@ std::vector<StageTime> stages_of(double detect_seconds, const CalibrationResult&
                                  double refine_seconds, bool refined) {
   const double first_uncertainty = seconds_of(first, "uncertainty"), last_uncertainty = seconds_of(last, "uncertainty");
   if (refined) refine_seconds += first_uncertainty - last_uncertainty - seconds_of(last, "laser");
-  return {{"detect", detect_seconds},
-          {"start", seconds_of(first, "start")},
-          {"solve", seconds_of(first, "solve")},
-          {"refine", refine_seconds},
-          {"laser", seconds_of(last, "laser")},
-          {"uncertainty", last_uncertainty}};
+  return {{"detect", detect_seconds}, {"start", seconds_of(first, "start")}, {"solve", seconds_of(first, "solve")},
+          {"refine", refine_seconds}, {"laser", seconds_of(last, "laser")},  {"uncertainty", last_uncertainty}};
 }
 
 // The current folder, where image paths start, as seen from another one.
@@ -131,6 +127,8 @@ void require_values(const std::vector<ParameterRule>& rules, const std::string& 
 // How to test the calibration on images that it has not seen.
 std::string next_command(const CalibrateJob& job, const CalibrationResult& result) {
   std::string command = fmt::format("raybundle validate {}/calibration.json", job.output);
+  if (!job.input.dataset.empty() && job.input.cameras.empty()) return command + " OTHER_DATASET.toml";
+  if (!job.input.observations.empty() && job.input.target.empty()) return command + " --observations OTHER_FILE";
   if (!job.input.target.empty()) command += " --target " + job.input.target;
   for (const RigCamera& camera : result.calibration.cameras) {
     command += fmt::format(" --camera {}='OTHER_IMAGES'", camera.name);

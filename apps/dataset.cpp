@@ -124,8 +124,9 @@ Eigen::Vector2d pair_from(const toml::node& node, const TableReader& reader, con
 
 int beam_from(const toml::node& node, const LaserGrid& grid, const TableReader& reader) {
   const Eigen::Vector2d label = pair_from(node, reader, "a beam, [row, column],");
-  const int row = static_cast<int>(label.x()), column = static_cast<int>(label.y());
-  if (row != label.x() || column != label.y() || row < 0 || row >= grid.rows || column < 0 || column >= grid.columns) {
+  const bool on_grid = label.x() >= 0 && label.x() < grid.rows && label.y() >= 0 && label.y() < grid.columns;
+  const int row = on_grid ? static_cast<int>(label.x()) : 0, column = on_grid ? static_cast<int>(label.y()) : 0;
+  if (!on_grid || row != label.x() || column != label.y()) {
     reader.fail(&node, fmt::format("there is no beam in row {} and column {} of {} rows and {} columns, counted from 0",
                                    label.x(), label.y(), grid.rows, grid.columns));
   }
@@ -268,7 +269,9 @@ Dataset dataset_from_text(const std::string& text, const std::string& path) {
     dataset.boards.push_back(board_from(*table, path, dataset.boards.size()));
   }
   for (const toml::table* table : tables(reader, "camera")) dataset.cameras.push_back(camera_from(*table, path));
-  for (const toml::table* table : tables(reader, "laser")) dataset.laser = laser_from(*table, path);
+  const std::vector<const toml::table*> lasers = tables(reader, "laser");
+  if (lasers.size() > 1) reader.fail(lasers[1], "there is a second [laser]; a rig has one");
+  for (const toml::table* table : lasers) dataset.laser = laser_from(*table, path);
   for (const toml::table* table : tables(reader, "parameter")) dataset.rules.push_back(rule_from(*table, path));
   for (const toml::table* table : tables(reader, "calibrate")) read_options(*table, path, dataset.options);
   reader.refuse_unknown_keys();

@@ -36,10 +36,12 @@ std::map<std::string, std::vector<std::size_t>> views_by_frame(const Calibration
   return views;
 }
 
-void find_in(const cv::Mat& on, CalibrationProblem& problem, std::size_t v) {
+// The image with the laser off is the partner of the one with it on, unless they are the same.
+void find_in(const cv::Mat& on, const std::string& on_path, CalibrationProblem& problem, std::size_t v) {
   TargetView& view = problem.views[v];
   std::string reason;
-  const cv::Mat off = view.image.empty() ? cv::Mat() : read_gray(view.image, reason);
+  const bool same = view.image.empty() || view.image == on_path;
+  const cv::Mat off = same ? cv::Mat() : read_gray(view.image, reason);
   DotOptions options;
   options.region = outline_of(view);
   const bool partner = !off.empty() && off.size() == on.size() && off.type() == on.type();
@@ -76,7 +78,7 @@ void add_dots(const Dataset& dataset, const DetectOptions& options, DetectedImag
   }
   const std::vector<std::string> reasons =
       for_each_frame(files, options.threads, "finding dots", [&](std::size_t f, const cv::Mat& on, const std::string&) {
-        for (const std::size_t v : views_of_file[f]) find_in(on, problem, v);
+        for (const std::size_t v : views_of_file[f]) find_in(on, files[f].path, problem, v);
       });
   for (std::size_t f = 0; f < files.size(); ++f) {
     if (!reasons[f].empty()) {

@@ -120,10 +120,16 @@ Dataset dataset_of(const InputFlags& flags, bool need_models) {
   if (!flags.target.empty()) dataset.boards = {{"board", board_of(flags.target)}};
   if (!flags.cameras.empty()) {
     dataset.cameras.clear();
+    dataset.laser.reset();  // its images are named beside those of the cameras
     dataset.folder.clear();
     for (const std::string& flag : flags.cameras) dataset.cameras.push_back(camera_from_flag(flag, ""));
   }
   if (!flags.observations.empty()) {
+    if (dataset.laser) {
+      refuse(
+          "the file of --observations says what is known of the laser, and so does [laser] of the dataset; leave one "
+          "out, or give --anchor");
+    }
     if (!is_json(flags.observations) && dataset.boards.empty()) {
       refuse("corners without a board: give --target, as in --target chessboard:9x6:25mm");
     }

@@ -54,7 +54,7 @@ struct DotsVerdict {
     double sum = 0.0;
     int count = 0;
     for (const HeldOutDot& dot : explained) {
-      if (dot.depth_m < nearest_m || dot.depth_m > farthest_m) continue;
+      if (dot.depth_m < nearest_m || dot.depth_m >= farthest_m) continue;
       sum += dot.off_board_m * dot.off_board_m;
       ++count;
     }
@@ -65,7 +65,7 @@ struct DotsVerdict {
 };
 
 // Depths between which points are counted together [m].
-constexpr std::pair<double, double> kDepthBands[] = {{0.0, 0.4}, {0.4, 0.75}, {0.75, 1.25}, {1.25, 10.0}};
+constexpr std::pair<double, double> kDepthBands[] = {{0.0, 0.4}, {0.4, 0.75}, {0.75, 1.25}, {1.25, 1000.0}};
 
 // Dots by the beams of the calibration, on the boards where their corners have put them.
 DotsVerdict judge_dots(const Calibration& calibration, const CalibrationProblem& observed,
@@ -101,8 +101,10 @@ void print_dots(const DotsVerdict& verdict) {
       verdict.explained.size(), verdict.dots, verdict.rms_px, verdict.median_px, verdict.passed() ? "" : "  FAIL");
   for (const auto& [nearest, farthest] : kDepthBands) {
     const double mm = verdict.plane_mm(nearest, farthest);
-    if (std::isfinite(mm))
-      fmt::print("  {:.2f} m to {:.2f} m: points lie {:.2f} mm rms off the board\n", nearest, farthest, mm);
+    if (!std::isfinite(mm)) continue;
+    const std::string band = farthest < 1000.0 ? fmt::format("{:.2f} m to {:.2f} m", nearest, farthest)
+                                               : fmt::format("beyond {:.2f} m", nearest);
+    fmt::print("  {}: points lie {:.2f} mm rms off the board\n", band, mm);
   }
 }
 
@@ -200,7 +202,8 @@ void run(const ValidateFlags& flags) {
     dots = judge_dots(file.calibration, images.observations.problem, result);
     dots->limit_mm = flags.max_plane_mm;
   }
-  const bool passed = std::ranges::all_of(verdicts, &CameraVerdict::passed) && (!dots || dots->passed());
+  const bool passed =
+      std::ranges::all_of(verdicts, &CameraVerdict::passed) && (dots ? dots->passed() : flags.max_plane_mm <= 0.0);
   if (flags.json) {
     print_json(verdicts, dots, passed);
   } else {
@@ -209,7 +212,16 @@ void run(const ValidateFlags& flags) {
     for (const SetAside& aside : result.set_aside) {
       say(fmt::format("set aside: {}: {}", view_name(problem, problem.views[aside.view]), aside.reason));
     }
-    if (!passed) print_next_step(verdicts);
+    if (!dots && flags.max_plane_mm > 0.0) {
+      fmt::print(
+          "FAIL  laser: there is nothing to judge by --max-plane, no beams in the calibration or no dots here\n");
+    } else if (dots && !dots->passed()) {
+      fmt::print(
+          "FAIL  laser: its points lie {:.2f} mm rms off the boards, above the limit of {:.2f} mm (--max-plane)\n",
+          dots->plane_mm(), dots->limit_mm);
+    }
+    const bool cameras_passed = std::ranges::all_of(verdicts, &CameraVerdict::passed);
+    if (!cameras_passed) print_next_step(verdicts);
   }
   if (!passed) throw GateFailed{};
 }
@@ -234,7 +246,7 @@ void add_validate_verb(CLI::App& app) {
   verb->footer(
       "Example:\n  raybundle validate out/calibration.json --target chessboard:9x6:25mm --camera "
       "left='later/left*.jpg'\n"
-      "Exit code 1 when a camera misses its gate.");
+      "Exit code 1 when a camera or the laser misses its gate.");
   verb->callback([flags] { run(*flags); });
 }
 

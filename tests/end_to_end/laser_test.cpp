@@ -72,6 +72,14 @@ TEST(Laser, ObservationsGiveTheBeamsAndHeldOutBoardsConfirmThem) {
   std::vector<std::string> gated = held_out;
   gated.insert(gated.end(), {"--max-plane", "0.01"});
   EXPECT_EQ(raybundle_program(gated).exit_code, 1);
+
+  nlohmann::json without_dots = json_of(folder / "other/observations.json");
+  for (nlohmann::json& view : without_dots["views"]) view.erase("dots");
+  write_text(folder / "without.json", without_dots.dump());
+  const ProgramRun nothing =
+      raybundle_program({"validate", (folder / "out/calibration.json").string(), "--observations",
+                         (folder / "without.json").string(), "--max-plane", "5"});
+  EXPECT_EQ(nothing.exit_code, 1) << "a gate with nothing to judge";
 }
 
 // The board is found with the laser off, the dots with it on; spots on edges of the print are given up.

@@ -95,44 +95,62 @@ void warn_of_drag(const LaserSummary& laser, CalibrationResult& result) {
   const auto worst = std::ranges::max_element(laser.parameters, {}, [](const DraggedParameter& p) {
     return p.sigma_without > 0.0 ? std::abs(p.with - p.without) / p.sigma_without : 0.0;
   });
-  result.warnings.push_back(
-      fmt::format("the laser's dots drag the cameras: {} is {:.6g} with them and {:.6g} without, {:.1f} of its sigmas "
-                  "away; dots and "
-                  "corners contradict each other, so look for wrong labels, a bent board or a lens model that does not "
-                  "fit, or keep "
-                  "the cameras with --fix '*.intrinsics'",
-                  worst->name, worst->with, worst->without, laser.drag_sigmas()));
+  result.warnings.push_back(fmt::format(
+      "the laser's dots drag the cameras: {} is {:.6g} with them and {:.6g} without, {:.1f} of its sigmas "
+      "away; dots and corners contradict each other, so look for wrong labels, a bent board or a lens model "
+      "that does not fit, or keep the cameras with --fix '*.intrinsics'",
+      worst->name, worst->with, worst->without, laser.drag_sigmas()));
 }
 
-// Cameras, boards and beams in one bundle, from cameras and boards that are solved. Without beams the cameras remain.
+// Cameras, boards and beams in one bundle, from cameras and boards that are solved.
+//
+// @throws Error(kNotEnoughData) with nothing changed
 void add_laser(const CalibrateOptions& options, const BundleOptions& bundle, CalibrationProblem& problem,
-               BundleState& state, CalibrationResult& result) try {
-  const CalibrationResult without = result;
+               BundleState& state, CalibrationResult& result) {
+  CalibrationResult with = result;
   LaserSolve solve;
   {
-    const Stopwatch stopwatch(result.stages, "laser");
-    solve = solve_with_dots(problem, state, std::sqrt(without.variance_factor), options, bundle);
+    const Stopwatch stopwatch(with.stages, "laser");
+    solve = solve_with_dots(problem, state, std::sqrt(result.variance_factor), options, bundle);
   }
-  const Stopwatch stopwatch(result.stages, "uncertainty");
-  solve.laser.parameters = drag_of(problem, state, solve.state, bundle, without.calibration.covariance);
-  problem = solve.problem;
-  state = solve.state;
-  fill_covariance(problem, state, solve.bundle, result);
-  const RigCamera first{problem.cameras[0].name, state.cameras[0], state.camera_from_rig[0]};
-  fill_uncertainty(solve, result.calibration.covariance, result.variance_factor, first, solve.pattern);
-  result.variance_factor *= without.variance_factor;
-  result.calibration.laser = std::move(solve.pattern);
-  result.termination = solve.summary.termination;
-  result.iterations += solve.summary.iterations;
+  {
+    const Stopwatch stopwatch(with.stages, "uncertainty");
+    solve.laser.parameters = drag_of(problem, state, solve.state, bundle, result.calibration.covariance);
+    with.warnings.clear();  // those of the solve without dots; the covariance gives its own again
+    fill_covariance(solve.problem, solve.state, solve.bundle, with);
+    const RigCamera first{problem.cameras[0].name, solve.state.cameras[0], solve.state.camera_from_rig[0]};
+    fill_uncertainty(solve, with.calibration.covariance, with.variance_factor, first, solve.pattern);
+  }
+  with.variance_factor *= result.variance_factor;
+  with.calibration.laser = std::move(solve.pattern);
+  with.termination = solve.summary.termination;
+  with.iterations += solve.summary.iterations;
   if (solve.laser.origin_guessed) {
-    result.warnings.push_back("which beam is which is guessed: the labels may all be off by the same rows and columns; "
-                              "say which beam a dot belongs to (--anchor), or name the brightest or a missing beam");
+    with.warnings.push_back(
+        "which beam is which is guessed: the labels may all be off by the same rows and columns; say which beam a dot "
+        "belongs to (--anchor), or name the brightest or a missing beam");
   }
-  warn_of_drag(solve.laser, result);
-  result.laser = std::move(solve.laser);
-} catch (const Error& error) {
-  if (error.kind() != ErrorKind::kNotEnoughData) throw;
-  result.warnings.push_back(std::string("the laser's beams could not be calibrated: ") + error.what());
+  warn_of_drag(solve.laser, with);
+  with.laser = std::move(solve.laser);
+  problem = std::move(solve.problem);
+  state = std::move(solve.state);
+  result = std::move(with);
+}
+
+// The dots of a laser join the bundle. Without beams the cameras remain.
+void try_laser(const CalibrateOptions& options, const BundleOptions& bundle, CalibrationProblem& problem,
+               BundleState& state, CalibrationResult& result) {
+  if (!has_dots(problem)) {
+    result.warnings.push_back(
+        "no dot of the laser was found on a board; are the images with the laser on and off the same, or swapped?");
+    return;
+  }
+  try {
+    add_laser(options, bundle, problem, state, result);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kNotEnoughData) throw;
+    result.warnings.push_back(std::string("the laser's beams could not be calibrated: ") + error.what());
+  }
 }
 
 // A lens that folds beyond the corners is an ordinary fisheye with its image circle; one that folds among them is
@@ -231,8 +249,7 @@ CalibrationResult calibrate_in_order(const CalibrationProblem& problem, const Ca
   result.termination = solve.summary.termination;
   result.iterations = solve.summary.iterations;
 
-  // The dots of a laser join it.
-  if (has_dots(sub.problem)) add_laser(options, bundle, sub.problem, state, result);
+  if (sub.problem.laser) try_laser(options, bundle, sub.problem, state, result);
 
   fill_result(sub.problem, state, result);
   for (std::size_t v = 0; v < sub.views.size(); ++v) result.views[v].symmetry = rig.symmetry_of_view[v];

@@ -249,6 +249,10 @@ LaserSolve solve_with_dots(const CalibrationProblem& problem, const BundleState&
     beam.farthest_hit_m = hits[b].farthest_m();
     solve.pattern.beams.push_back(beam);
   }
+  if (solve.pattern.beams.empty()) {
+    throw Error(ErrorKind::kNotEnoughData,
+                "no beam was met by the board at two distances; take more poses, near and far");
+  }
   solve.laser.beams_with_prior = static_cast<int>(
       std::ranges::count_if(solve.bundle.beam_priors, [](const auto& prior) { return prior.has_value(); }));
   count_dots(solve);

@@ -154,7 +154,8 @@ TurnedPattern best_turn(const RigCamera& camera, const LaserPattern& pattern, do
     throw Error(ErrorKind::kBadInput, "the beams follow no common grating, so turning it cannot be foreseen", "laser");
   }
   TurnedPattern best;
-  for (int degrees = -44; degrees <= 45; ++degrees) {
+  for (int step = 0; step < 90; ++step) {  // 0°, 1°, -1°, 2°, ...: of equals the smallest turn
+    const int degrees = step % 2 == 0 ? -step / 2 : (step + 1) / 2;
     const double turn = degrees * M_PI / 180.0;
     Grating grating = *pattern.grating;
     grating.rig_from_projector.rotation =

@@ -70,6 +70,7 @@ BeamDepth beam_depth(const RigCamera& camera, const Covariance& parameters, cons
 
   // A pixel error e moves the dot along the beam by -solve · e.
   const Eigen::Vector2d by_along = derivatives->by_ray * direction;
+  if (!(by_along.squaredNorm() > 1e-12)) return {};  // the beam runs along the camera's ray
   const Eigen::RowVector2d solve = by_along.transpose() / by_along.squaredNorm();
   // The dot's place in the camera moves with the beam and with the camera's place on the rig, and then along the beam
   // until it is seen where it was.
