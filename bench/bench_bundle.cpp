@@ -13,7 +13,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <functional>
 #include <string>
 #include <utility>
@@ -22,17 +21,13 @@
 #include "limit/limit.hpp"
 #include "limit/per_corner.hpp"
 #include "raybundle/bundle/bundle.hpp"
+#include "support/clock.hpp"
 #include "synthetic_world.hpp"
 
 namespace {
 
 using namespace raybundle;
-
-double seconds(clockid_t clock) {
-  timespec time;
-  clock_gettime(clock, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
+using bench::seconds;
 
 struct World {
   CalibrationProblem problem;

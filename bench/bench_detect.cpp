@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <filesystem>
 #include <functional>
 #include <opencv2/calib3d.hpp>
@@ -19,17 +18,14 @@
 #include <vector>
 
 #include "raybundle/targets/detect.hpp"
+#include "support/clock.hpp"
 
 namespace {
 
 using namespace raybundle;
 
 // Other work on the machine must not count: processor time of this thread.
-double milliseconds_now() {
-  timespec time;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-}
+double milliseconds_now() { return 1e3 * bench::seconds(CLOCK_THREAD_CPUTIME_ID); }
 
 struct Set {
   const char* folder;

@@ -15,22 +15,17 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <vector>
 
 #include "laser_world.hpp"
 #include "raybundle/bundle/bundle.hpp"
 #include "raybundle/bundle/information.hpp"
+#include "support/clock.hpp"
 
 namespace {
 
 using namespace raybundle;
-
-double seconds(clockid_t clock) {
-  timespec time;
-  clock_gettime(clock, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
+using bench::seconds;
 
 struct World {
   int frames = 0;

@@ -7,13 +7,13 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <functional>
 #include <string>
 
 #include "raybundle/bundle/bundle.hpp"
 #include "raybundle/calibrate/calibrate.hpp"
 #include "raybundle/initialize/camera_start.hpp"
+#include "support/clock.hpp"
 #include "synthetic_world.hpp"
 
 namespace {
@@ -21,11 +21,7 @@ namespace {
 using namespace raybundle;
 
 // Other work on the machine must not count: processor time of this process.
-double milliseconds_now() {
-  timespec time;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-}
+double milliseconds_now() { return 1e3 * bench::seconds(CLOCK_PROCESS_CPUTIME_ID); }
 
 double best_ms(int repetitions, const std::function<void()>& work) {
   double best = 1e300;

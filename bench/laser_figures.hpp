@@ -26,7 +26,7 @@ inline double depth_bias_mm(const Calibration& truth, const Calibration& found) 
   for (const LaserBeam& beam : truth.laser->beams) {
     const LaserBeam* ours = beam_of(*found.laser, beam.row, beam.column);
     const RigCamera& camera = truth.cameras[0];
-    const Line3 line{camera.camera_from_rig * beam.line.point, camera.camera_from_rig.rotation * beam.line.direction};
+    const Line3 line = camera.camera_from_rig * beam.line;
     const Eigen::Vector3d place = line.at((1.0 - line.point.z()) / line.direction.z());
     const auto pixel = pixel_from_ray(camera.camera, place);
     if (ours == nullptr || !pixel) continue;

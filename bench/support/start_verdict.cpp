@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <limits>
 
+#include "clock.hpp"
 #include "projection.hpp"
 #include "raybundle/bundle/information.hpp"
 #include "raybundle/geometry/error.hpp"
@@ -18,12 +18,6 @@ namespace {
 
 constexpr double kSameCost = 1e-6;         ///< relative
 constexpr double kFewestRightKept = 0.98;  ///< of the right corners; the outlier rule costs 4 in a million
-
-double processor_seconds() {
-  timespec time;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 BundleState state_of(const CalibrationResult& result) {
   BundleState state;
@@ -162,10 +156,10 @@ Judgement judge_start(const RandomRig& rig, const TruthStart& truth) {
   Judgement judgement;
   CalibrateOptions options;
   options.threads = 1;
-  const double begin = processor_seconds();
+  const double begin = seconds(CLOCK_PROCESS_CPUTIME_ID);
   try {
     const CalibrationResult result = calibrate(rig.problem, options);
-    judgement.seconds = processor_seconds() - begin;
+    judgement.seconds = seconds(CLOCK_PROCESS_CPUTIME_ID) - begin;
     const BundleState answer = state_of(result);
     const double cost = cost_of(rig.problem, answer);
     const double from_truth = truth_cost_of(rig, answer);
@@ -177,7 +171,7 @@ Judgement judge_start(const RandomRig& rig, const TruthStart& truth) {
         text("cost %.8g, from the truth %.8g, %.1f %% of the right corners used, off the truth by %.1f sigma%s", cost,
              from_truth, 100 * kept, judgement.error_sigmas, bent(answer.shapes[0]) ? ", board bent" : "");
   } catch (const Error& error) {
-    judgement.seconds = processor_seconds() - begin;
+    judgement.seconds = seconds(CLOCK_PROCESS_CPUTIME_ID) - begin;
     const bool right = error.kind() == ErrorKind::kNotEnoughData && !truth.determined;
     judgement.verdict = right ? Verdict::kRefusedRightly : Verdict::kRefusedWrongly;
     judgement.why = error.what();

@@ -48,8 +48,7 @@ Response response_of(const DotImages& images, double sigma_px) {
 }  // namespace
 
 double noise_excess(const DotImages& images, double sigma_px, const cv::Mat& in_region) {
-  constexpr std::size_t kFewest = 500;                  // pixels
-  constexpr double kNormalMedian = 0.6744897501960817;  // of |x|
+  constexpr std::size_t kFewest = 500;  // pixels
   const Response response = response_of(images, sigma_px);
   std::vector<double> sizes;
   for (int y = 0; y < in_region.rows; ++y) {

@@ -41,7 +41,7 @@ std::optional<Eigen::Vector2d> dot_pixel(const SyntheticWorld& world, const Targ
                                          const Rigid3& rig_from_target, const BoardSurface& surface,
                                          const Line3& line) {
   const Rigid3 target_from_rig = rig_from_target.inverse();
-  const Line3 in_target{target_from_rig * line.point, target_from_rig.rotation * line.direction};
+  const Line3 in_target = target_from_rig * line;
   const std::optional<Eigen::Vector3d> x = surface.crossing(in_target, world.shapes[view.target]);
   if (!x || !surface.covers(*x, kBoardMarginM) || (*x - in_target.point).dot(in_target.direction) < 0) return {};
   const Camera& camera = world.cameras[view.camera];

@@ -53,7 +53,7 @@ void centre_beams(const std::vector<ViewDots>& dots, Unknowns& unknowns) {
     const Eigen::Vector3d& sags = unknowns.shapes[view.target];
     for (const UsedDot& dot : view.dots) {
       const Line3& beam = unknowns.beams[dot.beam];
-      const Line3 in_target{target_from_rig * beam.point, target_from_rig.rotation * beam.direction};
+      const Line3 in_target = target_from_rig * beam;
       const auto x = view.surface.crossing(in_target, {sags[0], sags[1], sags[2]});
       if (!x) continue;
       sum[dot.beam] += in_target.direction.dot(*x - in_target.point);

@@ -23,9 +23,8 @@ std::vector<Eigen::Vector2d> predicted(const CalibrationProblem& problem, const 
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       const int beam = seen.dots[i].beam;
       if (beam == kUnlabelled || !state.beams[beam]) continue;
-      const Line3 in_target{target_from_rig * state.beams[beam]->point,
-                            target_from_rig.rotation * state.beams[beam]->direction};
-      const std::optional<Eigen::Vector3d> x = surface.crossing(in_target, state.shapes[seen.target]);
+      const std::optional<Eigen::Vector3d> x =
+          surface.crossing(target_from_rig * *state.beams[beam], state.shapes[seen.target]);
       if (!x) continue;
       const Eigen::Vector3d ray = camera_from_rig * (rig_from_target * *x);
       Eigen::Vector2d pixel;

@@ -20,8 +20,7 @@ std::vector<BeamRanges> ranges_of_beams(const CalibrationProblem& problem, const
       if (state.dot_fates[v][i] != ObservationFate::kUsed) continue;
       const int b = view.dots[i].beam;
       const Line3& beam = *state.beams[b];
-      const auto crossing = surface.crossing({target_from_rig * beam.point, target_from_rig.rotation * beam.direction},
-                                             state.shapes[view.target]);
+      const auto crossing = surface.crossing(target_from_rig * beam, state.shapes[view.target]);
       if (crossing) hits[b].ranges_m.push_back(beam.direction.dot(rig_from_target * *crossing));
     }
   }

@@ -91,15 +91,13 @@ std::vector<DraggedParameter> drag_of(const CalibrationProblem& problem, const B
 // Dots as strong as corners that move a parameter by more than they can explain.
 void warn_of_drag(const LaserSummary& laser, CalibrationResult& result) {
   constexpr double kMostSigmas = 4.0;
-  if (laser.drag_sigmas() <= kMostSigmas) return;
-  const auto worst = std::ranges::max_element(laser.parameters, {}, [](const DraggedParameter& p) {
-    return p.sigma_without > 0.0 ? std::abs(p.with - p.without) / p.sigma_without : 0.0;
-  });
+  const auto worst = std::ranges::max_element(laser.parameters, {}, &DraggedParameter::moved_sigmas);
+  if (worst == laser.parameters.end() || worst->moved_sigmas() <= kMostSigmas) return;
   result.warnings.push_back(fmt::format(
       "the laser's dots drag the cameras: {} is {:.6g} with them and {:.6g} without, {:.1f} of its sigmas "
       "away; dots and corners contradict each other, so look for wrong labels, a bent board or a lens model "
       "that does not fit, or keep the cameras with --fix '*.intrinsics'",
-      worst->name, worst->with, worst->without, laser.drag_sigmas()));
+      worst->name, worst->with, worst->without, worst->moved_sigmas()));
 }
 
 // Cameras, boards and beams in one bundle, from cameras and boards that are solved.

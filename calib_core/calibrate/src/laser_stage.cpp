@@ -7,7 +7,6 @@
 #include <map>
 
 #include "beam_ranges.hpp"
-#include "dots_on_boards.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/quantile.hpp"
 #include "raybundle/initialize/beam_start.hpp"
@@ -17,8 +16,7 @@
 namespace raybundle {
 namespace {
 
-constexpr double kRayleighMedian = 1.1774100225154747;  // as in robust_solve.cpp
-constexpr double kSmallestSigmaPx = 1e-4;               // exact data: rounding is not to be mistaken for outliers
+constexpr double kSmallestSigmaPx = 1e-4;  // exact data: rounding is not to be mistaken for outliers
 constexpr int kMaxRounds = 8;
 constexpr int kFewestHits = 2;         // of a beam without a model to lean on
 constexpr int kHitsOfStrong = 3;       // of a beam that needs no prior ...
@@ -88,6 +86,16 @@ void scale_dots(CalibrationProblem& problem, double scale) {
       dot.covariance_px2 *= std::max(scale * scale, least);
     }
   }
+}
+
+/// Scales the dots' sigmas to what their residuals show.
+///
+/// @return  the factor that the residuals ask for
+double rescale_dots(LaserSolve& solve) {
+  const double scale = robust_scale(solve.problem, solve.state);
+  solve.laser.sigma_scale *= scale;
+  scale_dots(solve.problem, scale);
+  return scale;
 }
 
 void label_dots(const std::vector<std::vector<int>>& beam_of_dot, CalibrationProblem& problem) {
@@ -161,9 +169,7 @@ BundleSummary solve_all(const CalibrateOptions& options, LaserSolve& solve) {
   robust.robust_scale_sigma = options.robust_scale_sigma;
   BundleSummary summary = solve_bundle(solve.problem, solve.state, robust);
   for (int round = 0; round < kMaxRounds && summary.termination != Termination::kFailed; ++round) {
-    const double scale = robust_scale(solve.problem, solve.state);
-    solve.laser.sigma_scale *= scale;
-    scale_dots(solve.problem, scale);
+    const double scale = rescale_dots(solve);
     const bool changed = mark_outliers(solve.problem, options.outlier_sigma, solve.state);
     if (!changed && round > 0 && std::abs(scale - 1.0) < 0.02) break;
     summary = solve_bundle(solve.problem, solve.state, solve.bundle);
@@ -209,11 +215,9 @@ bool has_dots(const CalibrationProblem& problem) {
 LaserSolve solve_with_dots(const CalibrationProblem& problem, const BundleState& cameras, double corner_scale,
                            const CalibrateOptions& options, const BundleOptions& bundle) {
   LaserSolve solve{problem, cameras, bundle, {}, {}, {}};
-  const std::vector<std::vector<bool>> on_board = dots_on_boards(problem, cameras);
-  const CalibrationProblem seen = with_dots(problem, on_board);
-  const BeamStart start = initialize_beams(scene_of(seen, cameras));
+  const BeamStart start = initialize_beams(scene_of(problem, cameras));
   scale_corners(solve.problem, corner_scale);
-  label_dots(for_all_dots(start.beam_of_dot, on_board, kUnlabelled), solve.problem);
+  label_dots(start.beam_of_dot, solve.problem);
   solve.state.beams = start.lines;
   solve.pattern = {.grid = problem.laser->grid,
                    .beams = {},
@@ -231,9 +235,7 @@ LaserSolve solve_with_dots(const CalibrationProblem& problem, const BundleState&
   if (solve.pattern.grating) solve.bundle.beam_priors = priors_of(solve.pattern, hits, solve.state);
   drop_undetermined(hits, solve.bundle.beam_priors, solve.state);
   mark_dots(solve.problem, solve.state);
-  const double scale = robust_scale(solve.problem, solve.state);
-  solve.laser.sigma_scale = scale;
-  scale_dots(solve.problem, scale);
+  rescale_dots(solve);
   solve.summary = solve_all(options, solve);
   if (solve.summary.termination == Termination::kFailed) {
     throw Error(ErrorKind::kSolveFailed, "the bundle adjustment with the laser's dots broke down: " +

@@ -14,8 +14,7 @@
 namespace raybundle {
 namespace {
 
-constexpr double kRayleighMedian = 1.1774100225154747;  // sqrt(2 ln 2): median length of a standard normal 2-vector
-constexpr double kSmallestDistancePx = 1e-3;            // exact data: rounding is not to be mistaken for outliers
+constexpr double kSmallestDistancePx = 1e-3;  // exact data: rounding is not to be mistaken for outliers
 constexpr int kMaxRounds = 8;
 constexpr int kRobustIterations = 8;       // of a round: enough to tell outliers; least squares does the rest
 constexpr std::size_t kFewestCorners = 4;  // of a view: fewer do not determine a pose

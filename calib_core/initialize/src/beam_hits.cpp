@@ -3,16 +3,31 @@
 #include "beam_hits.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "raybundle/geometry/quantile.hpp"
 
 namespace raybundle {
 namespace {
 
 constexpr double kMinCosine = 0.2;  // of the angle between ray and board normal
 constexpr double kFloorPx = 0.1;    // of board poses and lens at the start, beside the dot's own covariance
+constexpr double kMargin = 1.5;     // spacings: a chessboard's outermost squares and the white around them
 
-Line3 moved(const Rigid3& b_from_a, const Line3& line_in_a) {
-  return {b_from_a * line_in_a.point, b_from_a.rotation * line_in_a.direction};
+/// Typical distance of a point to the nearest other one [m].
+double spacing_m(const Target& target) {
+  std::vector<double> distances;
+  for (const TargetPoint& point : target.points) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const TargetPoint& other : target.points) {
+      if (other.id == point.id) continue;
+      nearest = std::min(nearest, (other.x_in_target - point.x_in_target).norm());
+    }
+    distances.push_back(nearest);
+  }
+  return median(distances);
 }
 
 /// Rays of one view against its board.
@@ -66,13 +81,31 @@ std::optional<BeamHit> hit_on_board(const ViewGeometry& geometry, const Rigid3& 
 
 }  // namespace
 
-std::vector<BeamHit> hits_on_boards(const LaserScene& scene) {
+std::vector<std::vector<bool>> dots_on_boards(const LaserScene& scene) {
+  std::vector<double> margins_m;
+  for (const Target& target : scene.problem.targets) margins_m.push_back(kMargin * spacing_m(target));
+  std::vector<std::vector<bool>> on;
+  for (int v = 0; v < static_cast<int>(scene.problem.views.size()); ++v) {
+    const TargetView& view = scene.problem.views[v];
+    std::vector<bool>& of_view = on.emplace_back(view.dots.size(), false);
+    if (view.dots.empty() || !scene.rig_from_target[v]) continue;
+    const ViewGeometry geometry = geometry_of(scene, v);
+    for (std::size_t d = 0; d < view.dots.size(); ++d) {
+      const std::optional<Eigen::Vector3d> place = geometry.x_in_target(view.dots[d].pixel);
+      of_view[d] = place && geometry.surface.covers(*place, margins_m[view.target]);
+    }
+  }
+  return on;
+}
+
+std::vector<BeamHit> hits_on_boards(const LaserScene& scene, const std::vector<std::vector<bool>>& on_board) {
   std::vector<BeamHit> hits;
   for (int v = 0; v < static_cast<int>(scene.problem.views.size()); ++v) {
     const std::vector<Dot>& dots = scene.problem.views[v].dots;
     if (dots.empty() || !scene.rig_from_target[v]) continue;
     const ViewGeometry geometry = geometry_of(scene, v);
     for (int d = 0; d < static_cast<int>(dots.size()); ++d) {
+      if (!on_board[v][d]) continue;
       std::optional<BeamHit> hit = hit_on_board(geometry, *scene.rig_from_target[v], dots[d]);
       if (!hit) continue;
       hit->view = v;
@@ -105,8 +138,7 @@ LaserBoards::LaserBoards(const LaserScene& scene) : scene_(scene) {
 bool LaserBoards::expects_dot(int v, const Line3& line) const {
   const TargetView& view = scene_.problem.views[v];
   const BoardSurface& surface = surfaces_[view.target];
-  const std::optional<Eigen::Vector3d> x =
-      surface.crossing(moved(*target_from_rig_[v], line), scene_.shapes[view.target]);
+  const std::optional<Eigen::Vector3d> x = surface.crossing(*target_from_rig_[v] * line, scene_.shapes[view.target]);
   if (!x || !surface.covers(*x)) return false;
   const Camera& camera = scene_.cameras[view.camera];
   const std::optional<Eigen::Vector2d> pixel =

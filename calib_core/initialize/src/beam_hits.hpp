@@ -19,9 +19,15 @@ struct BeamHit {
   double cosine = 1.0;  ///< between the camera's ray and the board's normal: matt paper sends less light aside
 };
 
-/// Hits of all dots of used views, in the order of views and dots. Left out are dots whose ray grazes the board: there
-/// the place along the ray, hence along the beam, is hardly determined.
-std::vector<BeamHit> hits_on_boards(const LaserScene& scene);
+/// Which dots lie on their board: where the camera's ray meets it amid its points, or no farther beyond the outermost
+/// than one and a half times what these are apart. All dots of views that are not used are off.
+///
+/// @return  aligned with problem.views and their dots
+std::vector<std::vector<bool>> dots_on_boards(const LaserScene& scene);
+
+/// Hits of the dots on their boards, in the order of views and dots. Left out are dots whose ray grazes the board:
+/// there the place along the ray, hence along the beam, is hardly determined.
+std::vector<BeamHit> hits_on_boards(const LaserScene& scene, const std::vector<std::vector<bool>>& on_board);
 
 /// Hit of a ray through any pixel of a view, for a dot that may not be in the list; nothing for views that are not
 /// used, and as for hits_on_boards().

@@ -116,4 +116,17 @@ std::vector<LensVector> model_fits(ModelId model, const PointsInView& samples, c
   return fits;
 }
 
+PointsInView field_seen(const Camera& camera, const std::vector<Eigen::Vector3d>& rays_in_camera, std::size_t count) {
+  constexpr std::size_t kFewest = 20;
+  const LensFunctions lens = lens_functions(camera.model);
+  PointsInView field;
+  for (const Eigen::Vector3d& ray : rays_in_camera) {
+    Eigen::Vector2d pixel;
+    if (!lens.project(camera.parameters.data(), ray, pixel)) continue;
+    field.points.push_back(ray);
+    field.pixels.push_back(pixel);
+  }
+  return field.points.size() < kFewest ? PointsInView{} : thinned(field, count);
+}
+
 }  // namespace raybundle

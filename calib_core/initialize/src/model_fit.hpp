@@ -16,6 +16,10 @@ LensVector fit_model(ModelId model, const PointsInView& field, const LensVector&
 /// The same from each of the model's start and example shapes: all the ways in which it can describe the lens.
 std::vector<LensVector> model_fits(ModelId model, const PointsInView& samples, const LensVector& guess_fx_fy_cx_cy);
 
+/// At most `count` of the rays that a camera projects, with their pixels; none when fewer than 20 are left to compare
+/// lenses on.
+PointsInView field_seen(const Camera& camera, const std::vector<Eigen::Vector3d>& rays_in_camera, std::size_t count);
+
 /// Weak priors towards the model's start shape, so that terms that the data does not show stay small.
 LensBundleOptions model_options(ModelId model, const LensVector& mean, double scale_px);
 

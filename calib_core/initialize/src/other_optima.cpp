@@ -9,7 +9,6 @@
 #include "lens_bundle.hpp"
 #include "linear_pose.hpp"
 #include "model_fit.hpp"
-#include "view_screen.hpp"
 
 namespace raybundle {
 namespace {
@@ -33,16 +32,9 @@ double sum_of_squares(const LensFunctions& lens, const LensVector& parameters, c
 
 std::vector<Camera> twin_cameras(const Camera& camera, const std::vector<Eigen::Vector3d>& rays_in_camera) {
   const LensFunctions lens = lens_functions(camera.model);
-  PointsInView field;
-  for (const Eigen::Vector3d& ray : rays_in_camera) {
-    Eigen::Vector2d pixel;
-    if (!lens.project(camera.parameters.data(), ray, pixel)) continue;
-    field.points.push_back(ray);
-    field.pixels.push_back(pixel);
-  }
+  const PointsInView field = field_seen(camera, rays_in_camera, kSamples);
   std::vector<Camera> twins;
-  if (field.points.size() < 20) return twins;
-  field = thinned(field, kSamples);
+  if (field.points.empty()) return twins;
   LensBundleOptions here;
   here.poses_fixed = true;
   here.max_iterations = 0;

@@ -7,9 +7,9 @@
 #include <limits>
 
 #include "lens_bundle.hpp"
+#include "model_fit.hpp"
 #include "raybundle/geometry/rotation.hpp"
 #include "raybundle/initialize/other_optima.hpp"
-#include "view_screen.hpp"
 
 namespace raybundle {
 namespace {
@@ -156,16 +156,9 @@ bool open_or_bent(const LensFunctions& lens, const PointsInView& field, const Le
 std::vector<Camera> cameras_along_valley(const Camera& camera, const std::vector<Eigen::Vector3d>& rays_in_camera,
                                          double alike_px, std::size_t of_each_side) {
   const LensFunctions lens = lens_functions(camera.model);
-  PointsInView field;
-  for (const Eigen::Vector3d& ray : rays_in_camera) {
-    Eigen::Vector2d pixel;
-    if (!lens.project(camera.parameters.data(), ray, pixel)) continue;
-    field.points.push_back(ray);
-    field.pixels.push_back(pixel);
-  }
+  const PointsInView field = field_seen(camera, rays_in_camera, kSamples);
   std::vector<Camera> cameras;
-  if (field.points.size() < 20) return cameras;
-  field = thinned(field, kSamples);
+  if (field.points.empty()) return cameras;
   for (const double side : {1.0, -1.0}) {
     const std::vector<LensVector> way = way_along(lens, field, camera.parameters, side, alike_px);
     if (way.empty() || !open_or_bent(lens, field, camera.parameters, way)) continue;

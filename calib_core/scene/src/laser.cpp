@@ -15,7 +15,7 @@ std::optional<Line3> beam_of_order(const Grating& grating, double m, double n) {
   if (s2 >= 1.0 || spread.squaredNorm() >= 1.0) return std::nullopt;
   const Eigen::Vector3d direction(spread.x(), spread.y(), std::sqrt(1.0 - spread.squaredNorm()));
   const Eigen::Vector3d point(0.0, 0.0, grating.shift_m * s2);
-  return Line3{grating.rig_from_projector * point, grating.rig_from_projector.rotation * direction};
+  return grating.rig_from_projector * Line3{point, direction};
 }
 
 }  // namespace raybundle

@@ -7,12 +7,13 @@
 
 namespace raybundle {
 
+double DraggedParameter::moved_sigmas() const {
+  return sigma_without > 0.0 ? std::abs(with - without) / sigma_without : 0.0;
+}
+
 double LaserSummary::drag_sigmas() const {
   double largest = 0.0;
-  for (const DraggedParameter& parameter : parameters) {
-    if (!(parameter.sigma_without > 0.0)) continue;
-    largest = std::max(largest, std::abs(parameter.with - parameter.without) / parameter.sigma_without);
-  }
+  for (const DraggedParameter& parameter : parameters) largest = std::max(largest, parameter.moved_sigmas());
   return largest;
 }
 

@@ -26,8 +26,7 @@ struct CurveSample {
 class BeamCurve {
  public:
   BeamCurve(const RigCamera& camera, const Line3& line)
-      : camera_(camera.camera),
-        line_{camera.camera_from_rig * line.point, camera.camera_from_rig.rotation * line.direction} {}
+      : camera_(camera.camera), line_(camera.camera_from_rig * line) {}
 
   std::optional<Eigen::Vector2d> at_inverse_depth(double inverse_depth) const {
     if (std::abs(line_.direction.z()) < 1e-6) return std::nullopt;
@@ -154,7 +153,8 @@ TurnedPattern best_turn(const RigCamera& camera, const LaserPattern& pattern, do
     throw Error(ErrorKind::kBadInput, "the beams follow no common grating, so turning it cannot be foreseen", "laser");
   }
   TurnedPattern best;
-  for (int step = 0; step < 90; ++step) {  // 0°, 1°, -1°, 2°, ...: of equals the smallest turn
+  // 0°, 1°, -1°, 2°, ...: of equals the smallest turn, and none is better than one that leaves no doubt.
+  for (int step = 0; step < 90 && best.single_candidate_share < 1.0; ++step) {
     const int degrees = step % 2 == 0 ? -step / 2 : (step + 1) / 2;
     const double turn = degrees * M_PI / 180.0;
     Grating grating = *pattern.grating;

@@ -57,8 +57,7 @@ std::vector<std::string> extrinsic_names(const RigCamera& camera) {
 BeamDepth beam_depth(const RigCamera& camera, const Covariance& parameters, const Line3& line,
                      const Eigen::Matrix4d& of_beam, const Eigen::MatrixXd& with_parameters, double depth_m) {
   const Eigen::Matrix3d rotation = camera.camera_from_rig.rotation.toRotationMatrix();
-  const Eigen::Vector3d direction = rotation * line.direction;
-  const Eigen::Vector3d start = camera.camera_from_rig * line.point;
+  const auto [start, direction] = camera.camera_from_rig * line;
   if (std::abs(direction.z()) < 1e-6) return {};
   const double along = (depth_m - start.z()) / direction.z();
   const Eigen::Vector3d in_camera = start + along * direction;

@@ -33,8 +33,7 @@ std::vector<Prediction> predictions(const LaserPattern& pattern, const RigCamera
   const Rigid3 target_from_rig = rig_from_target.inverse();
   std::vector<Prediction> result;
   for (const LaserBeam& beam : pattern.beams) {
-    const auto crossing =
-        surface.crossing({target_from_rig * beam.line.point, target_from_rig.rotation * beam.line.direction}, shape);
+    const auto crossing = surface.crossing(target_from_rig * beam.line, shape);
     if (!crossing) continue;
     const Eigen::Vector3d in_rig = rig_from_target * *crossing;
     const auto pixel = pixel_from_ray(camera.camera, camera.camera_from_rig * in_rig);

@@ -112,8 +112,7 @@ std::vector<EmittedBeam> beams_of(const Emitter& emitter) {
       throw Error(ErrorKind::kBadInput, "beam (row " + std::to_string(row) + ", column " + std::to_string(column) +
                                             ") does not leave the emitter; take a smaller field");
     }
-    const Rigid3& pose = emitter.rig_from_emitter;
-    beams.push_back({row, column, {pose * ray->point, pose.rotation * ray->direction}, power});
+    beams.push_back({row, column, emitter.rig_from_emitter * *ray, power});
   };
   bool zero_is_in_grid = false;
   for (int row = 0; row < emitter.grid.rows; ++row) {

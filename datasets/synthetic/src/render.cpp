@@ -100,8 +100,8 @@ void vignette(const std::vector<float>& share, LightImage& image) {
 }
 
 GaussianBeam beam_in_target(const EmittedBeam& beam, const Emitter& emitter, const Rigid3& target_from_rig) {
-  const Line3 line{target_from_rig * beam.line.point, target_from_rig.rotation * beam.line.direction};
-  return {line, beam.power_W, emitter.spot_radius_m, emitter.waist_distance_m, emitter.divergence_rad};
+  return {target_from_rig * beam.line, beam.power_W, emitter.spot_radius_m, emitter.waist_distance_m,
+          emitter.divergence_rad};
 }
 
 // Where a beam's spot is and whether the camera sees it.

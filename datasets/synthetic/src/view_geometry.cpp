@@ -45,8 +45,7 @@ std::optional<Eigen::Vector2d> PlacedBoard::seen_at(const SimulatedCamera& camer
 }
 
 std::optional<Eigen::Vector3d> PlacedBoard::spot(const Line3& beam_in_rig) const {
-  const Rigid3 target_from_rig = rig_from_target_.inverse();
-  const Line3 beam{target_from_rig * beam_in_rig.point, target_from_rig.rotation * beam_in_rig.direction};
+  const Line3 beam = rig_from_target_.inverse() * beam_in_rig;
   const auto place = surface_->crossing(beam, board_->shape);
   if (!place || !contains(board_->print.sheet, place->head<2>())) return std::nullopt;
   // A line that passes a bent board far outside of it may not have settled on the surface.

@@ -7,16 +7,10 @@
 #include <Eigen/Cholesky>
 
 #include "laser_worlds.hpp"
+#include "model_test_types.hpp"
 
 namespace raybundle::testing {
 namespace {
-
-template <typename List>
-struct AsTestTypes;
-template <typename... Types>
-struct AsTestTypes<TypeList<Types...>> {
-  using type = ::testing::Types<Types...>;
-};
 
 const Eigen::Matrix2d kCovariance{{0.04, 0.015}, {0.015, 0.02}};
 
@@ -45,7 +39,7 @@ class DotRowsLaw : public ::testing::Test {
               Eigen::Vector3d(0.004, -0.003, 0.002)};
     for (const auto& line : made_.truth.beams) {
       const Line3 beam = line.value_or(Line3{});
-      beams_.push_back({rig_from_camera * beam.point, rig_from_camera.rotation * beam.direction});
+      beams_.push_back(rig_from_camera * beam);
     }
   }
 
@@ -82,7 +76,7 @@ class DotRowsLaw : public ::testing::Test {
   ViewPoint point_;
   std::vector<Line3> beams_;
 };
-TYPED_TEST_SUITE(DotRowsLaw, AsTestTypes<Models>::type);
+TYPED_TEST_SUITE(DotRowsLaw, AsTestTypes<Models>::Type);
 
 TYPED_TEST(DotRowsLaw, AnalyticJacobiansAreTheNumericOnes) {
   ASSERT_GE(this->view_.dots.size(), 10U);

@@ -5,16 +5,10 @@
 #include <gtest/gtest.h>
 
 #include "bundle_worlds.hpp"
+#include "model_test_types.hpp"
 
 namespace raybundle::testing {
 namespace {
-
-template <typename List>
-struct AsTestTypes;
-template <typename... Types>
-struct AsTestTypes<TypeList<Types...>> {
-  using type = ::testing::Types<Types...>;
-};
 
 // One view of a bent board through each model, with a camera away from the rig's origin and residuals of a few pixels.
 template <typename M>
@@ -64,7 +58,7 @@ class ViewBlockLaw : public ::testing::Test {
   Eigen::VectorXd intrinsics_;
   ViewPoint point_;
 };
-TYPED_TEST_SUITE(ViewBlockLaw, AsTestTypes<Models>::type);
+TYPED_TEST_SUITE(ViewBlockLaw, AsTestTypes<Models>::Type);
 
 TYPED_TEST(ViewBlockLaw, AnalyticJacobiansAreTheNumericOnes) {
   ViewBlock block;

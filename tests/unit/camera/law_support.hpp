@@ -9,17 +9,10 @@
 #include <random>
 #include <vector>
 
+#include "model_test_types.hpp"
 #include "raybundle/camera/camera.hpp"
 
 namespace raybundle {
-
-/// The one list of models as GoogleTest wants it.
-template <typename List>
-struct AsTestTypes;
-template <typename... M>
-struct AsTestTypes<TypeList<M...>> {
-  using Type = ::testing::Types<M...>;
-};
 
 /// Makes failure messages name the model.
 struct ModelTestName {

@@ -4,6 +4,8 @@
 
 #include <Eigen/Core>
 
+#include "raybundle/geometry/rigid3.hpp"
+
 namespace raybundle {
 
 /// A line in space. `direction` has unit length; `point` is any point on the line.
@@ -13,6 +15,11 @@ struct Line3 {
 
   Eigen::Vector3d at(double distance) const { return point + distance * direction; }
 };
+
+/// The same line in another frame.
+inline Line3 operator*(const Rigid3& b_from_a, const Line3& line_in_a) {
+  return {b_from_a * line_in_a.point, b_from_a.rotation * line_in_a.direction};
+}
 
 /// Two unit vectors across a direction: with it they are a right-handed frame (first, second, direction). They depend
 /// on the direction only and turn smoothly with it, except at -z.

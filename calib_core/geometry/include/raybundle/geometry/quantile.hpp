@@ -18,6 +18,10 @@ inline double quantile(std::vector<double>& values, double share) {
   return values[static_cast<std::size_t>(rank)];
 }
 
+inline constexpr double kNormalMedian = 0.6744897501960817;  // of the size of a standard normal number
+inline constexpr double kRayleighMedian =
+    1.1774100225154747;  // sqrt(2 ln 2): of the length of a standard normal 2-vector
+
 /// Half of the values lie below: quantile(values, 0.5).
 inline double median(std::vector<double>& values) { return quantile(values, 0.5); }
 

@@ -35,7 +35,8 @@ struct BeamStart {
 
 /// Labels dots without any guess of the projector, and fits a line to the dots of each beam: dots of one beam in many
 /// board poses lie on one line, the lines' directions form a lattice, and the anchor, the brightest or the missing
-/// beams, or the outermost rows and columns fix its origin. Labels that dots already have are kept.
+/// beams, or the outermost rows and columns fix its origin. Labels that dots already have are kept. Dots that lie
+/// beside their board stay unlabelled.
 ///
 /// Columns count along the image's x of the first camera, rows along y, as near as the lattice's own steps come to it.
 ///

@@ -66,6 +66,8 @@ struct DraggedParameter {
   double without = 0.0;
   double with = 0.0;
   double sigma_without = 0.0;
+
+  double moved_sigmas() const;  ///< 0 for a parameter that was not estimated
 };
 
 /// How the dots of a laser fared, and what they did to the cameras.
