@@ -23,7 +23,11 @@ ARROWS = {
     "bundle": ["scene"],
     "uncertainty": ["bundle"],
     "calibrate": ["initialize", "uncertainty"],
-    "runtime": ["io"],
+    "cockpit": ["synthetic"],
+    "device": ["geometry"],
+    "structured_light": ["device", "io"],
+    "stereo": ["device", "io"],
+    "occupancy": ["device"],
 }
 
 # Folders that may include anything, and that nothing else includes.
@@ -37,10 +41,10 @@ LIBRARIES = {
     "cairo": (r"cairo", ["targets"], False),
     "GeographicLib": (r"GeographicLib/", ["geometry"], False),
     "mrcal": (r"mrcal/", ["io", "uncertainty"], False),
-    "Embree": (r"embree", ["synthetic"], False),
+    "Embree": (r"embree", ["synthetic", "cockpit"], False),
     "OpenSSL": (r"openssl/", ["io"], False),
     "nlohmann-json": (r"nlohmann/", ["io", "targets"], False),
-    "toml++": (r"toml\+\+/|toml\.hpp", ["io", "targets", "synthetic"], True),
+    "toml++": (r"toml\+\+/|toml\.hpp", ["io", "targets", "synthetic", "cockpit"], True),
     "yaml-cpp": (r"yaml-cpp/", ["io"], False),
     "CLI11": (r"CLI/", [], False),
     "GoogleTest": (r"gtest/|gmock/", [], False),
@@ -59,8 +63,8 @@ def module_of(path):
     parts = Path(path).parts
     if parts[0] == "calib_core" and len(parts) > 2:
         return parts[1]
-    if parts[:2] == ("datasets", "synthetic"):
-        return "synthetic"
+    if parts[0] in ("datasets", "runtime") and len(parts) > 2:
+        return parts[1]
     return parts[0] if len(parts) > 1 else None
 
 
@@ -85,7 +89,8 @@ def included_module(root, path, name):
     if own:
         return own.group(1)
     module = module_of(path)
-    for folder in [os.path.dirname(path), f"calib_core/{module}/src", f"{module}/src", f"datasets/{module}/src"]:
+    for folder in [os.path.dirname(path), f"calib_core/{module}/src", f"{module}/src", f"datasets/{module}/src",
+                   f"runtime/{module}/src"]:
         target = os.path.normpath(os.path.join(folder, name))
         if (root / target).is_file():
             return module_of(target)

@@ -56,7 +56,7 @@ class CheckArchitecture(unittest.TestCase):
             ("calib_core/initialize/src/a.cpp", '"raybundle/bundle/a.hpp"', "initialize may not include bundle"),
             ("calib_core/bundle/src/a.cpp", "<raybundle/initialize/a.hpp>", "bundle may not include initialize"),
             ("calib_core/io/src/a.cpp", '"raybundle/targets/a.hpp"', "io may not include targets"),
-            ("runtime/stereo/src/a.cpp", '"raybundle/bundle/a.hpp"', "runtime may not include bundle"),
+            ("runtime/stereo/src/a.cpp", '"raybundle/bundle/a.hpp"', "stereo may not include bundle"),
         ]:
             self.assert_offence(*self.include_line(path, include), f":3: " if path.endswith(".cpp") else "", words)
 
