@@ -8,7 +8,8 @@
 
 namespace raybundle {
 
-/// Pixels that belong to somebody else: `height` rows of `width` values, `stride` values apart. Never owns, never copies.
+/// Pixels that belong to somebody else: `height` rows of `width` values, `stride` values apart. Never owns, never
+/// copies.
 template <typename Value>
 struct ImageView {
   Value* pixels = nullptr;

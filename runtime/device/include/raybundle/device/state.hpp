@@ -6,8 +6,8 @@
 
 namespace raybundle {
 
-/// How far an answer of the runtime may be relied on. It travels with every answer; kInvalid must reach whoever decides,
-/// and never stands for a default class.
+/// How far an answer of the runtime may be relied on. It travels with every answer; kInvalid must reach whoever
+/// decides, and never stands for a default class.
 enum class State : unsigned char { kOk, kDegraded, kInvalid };
 
 /// The worse of two.
