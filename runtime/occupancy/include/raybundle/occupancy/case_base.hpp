@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace raybundle {
+
+inline constexpr int kMostClasses = 16;
+inline constexpr int kMostMetricSize = 128;
+inline constexpr int kMostNeighbours = 32;
+
+/// Learnt situations: attributes of scenes whose class is known, in a metric in which distances between situations of
+/// one class are small. Sizes agree: see check().
+struct CaseBase {
+  std::string attribute_set;               ///< which function made the attributes: see attributes.hpp
+  std::vector<std::string> class_names;    ///< at most kMostClasses
+  Eigen::MatrixXd metric_from_attributes;  ///< M×D
+  Eigen::MatrixXd cases;                   ///< M×N, one column a learnt situation, in the metric's space
+  std::vector<std::uint8_t> classes;       ///< N, indices into class_names
+  int neighbours = 7;                      ///< k
+  double farthest = 0.0;                   ///< a situation farther than this from its nearest cases is unknown
+  double least_share = 0.0;                ///< of the votes; a class with fewer is unsure
+
+  /// @throws Error(kBadInput) naming what does not agree
+  void check() const;
+};
+
+/// What the nearest cases say.
+struct CaseVerdict {
+  int best = -1;                             ///< class with the most votes
+  std::array<double, kMostClasses> votes{};  ///< shares, sum 1: the nearer a case the more its vote counts
+  double distance = 0.0;                     ///< mean to the k nearest cases
+  bool known = false;                        ///< near enough, and sure enough
+};
+
+/// The k nearest cases vote. Brute force: bounded, without heap, the same bits on every run.
+///
+/// @param attributes  D values
+CaseVerdict classify(const CaseBase& base, const Eigen::Ref<const Eigen::VectorXd>& attributes);
+
+/// As classify, but leaves one case out: how well the base knows its own cases.
+CaseVerdict classify_left_out(const CaseBase& base, int left_out);
+
+}  // namespace raybundle

@@ -1,0 +1,102 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/occupancy/case_base.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "raybundle/geometry/error.hpp"
+
+namespace raybundle {
+namespace {
+
+struct Near {
+  double squared = 0.0;
+  int index = -1;
+};
+
+using NearCases = std::array<Near, kMostNeighbours>;
+
+// The k nearest of the base's cases, nearest first; of two at the same distance the earlier one.
+int nearest_cases(const CaseBase& base, const double* query, int left_out, NearCases& nearest) {
+  const Eigen::Index size = base.cases.rows();
+  int found = 0;
+  for (int n = 0; n < base.cases.cols(); ++n) {
+    if (n == left_out) continue;
+    const double* one = base.cases.data() + n * size;
+    const double bound = found < base.neighbours ? INFINITY : nearest[found - 1].squared;
+    double squared = 0.0;
+    for (Eigen::Index i = 0; i < size && squared < bound; ++i) {
+      const double difference = one[i] - query[i];
+      squared += difference * difference;
+    }
+    if (!(squared < bound)) continue;
+    if (found < base.neighbours) ++found;
+    int at = found - 1;
+    for (; at > 0 && nearest[at - 1].squared > squared; --at) nearest[at] = nearest[at - 1];
+    nearest[at] = {squared, n};
+  }
+  return found;
+}
+
+CaseVerdict verdict_of(const CaseBase& base, const double* query, int left_out) {
+  CaseVerdict verdict;
+  NearCases nearest;
+  const int found = nearest_cases(base, query, left_out, nearest);
+  if (found < base.neighbours) return verdict;
+  double sum = 0.0;
+  for (int i = 0; i < found; ++i) {
+    const double distance = std::sqrt(nearest[i].squared);
+    const double vote = 1.0 / (distance + 1e-6);
+    verdict.distance += distance / found;
+    verdict.votes[base.classes[nearest[i].index]] += vote;
+    sum += vote;
+  }
+  for (double& vote : verdict.votes) vote /= sum;
+  verdict.best = static_cast<int>(std::ranges::max_element(verdict.votes) - verdict.votes.begin());
+  verdict.known = verdict.distance <= base.farthest && verdict.votes[verdict.best] >= base.least_share;
+  return verdict;
+}
+
+[[noreturn]] void refuse(const std::string& what) {
+  throw Error(ErrorKind::kBadInput, "the base of learnt cases is damaged: " + what + "; learn it again");
+}
+
+}  // namespace
+
+void CaseBase::check() const {
+  if (class_names.empty() || class_names.size() > kMostClasses) refuse("it has no classes, or too many");
+  if (metric_from_attributes.rows() < 1 || metric_from_attributes.rows() > kMostMetricSize ||
+      metric_from_attributes.cols() < 1) {
+    refuse("its metric has no usable size");
+  }
+  if (cases.rows() != metric_from_attributes.rows()) refuse("its cases and its metric differ in size");
+  if (cases.cols() != static_cast<Eigen::Index>(classes.size())) refuse("not every case has a class");
+  if (neighbours < 1 || neighbours > kMostNeighbours || cases.cols() <= neighbours) {
+    refuse("it has fewer cases than neighbours");
+  }
+  if (!metric_from_attributes.allFinite() || !cases.allFinite() || !std::isfinite(farthest) ||
+      !std::isfinite(least_share)) {
+    refuse("it holds a number that is not finite");
+  }
+  for (const std::uint8_t c : classes) {
+    if (c >= class_names.size()) refuse("a case is of a class without a name");
+  }
+}
+
+CaseVerdict classify(const CaseBase& base, const Eigen::Ref<const Eigen::VectorXd>& attributes) {
+  assert(attributes.size() == base.metric_from_attributes.cols());
+  std::array<double, kMostMetricSize> query{};
+  for (Eigen::Index i = 0; i < base.metric_from_attributes.rows(); ++i) {
+    for (Eigen::Index j = 0; j < attributes.size(); ++j) query[i] += base.metric_from_attributes(i, j) * attributes[j];
+    if (!std::isfinite(query[i])) return {};
+  }
+  return verdict_of(base, query.data(), -1);
+}
+
+CaseVerdict classify_left_out(const CaseBase& base, int left_out) {
+  return verdict_of(base, base.cases.data() + left_out * base.cases.rows(), left_out);
+}
+
+}  // namespace raybundle

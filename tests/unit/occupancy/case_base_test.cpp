@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/occupancy/case_base.hpp"
+
+#include <gtest/gtest.h>
+
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/occupancy/learn.hpp"
+#include "raybundle/synthetic/random.hpp"
+
+namespace raybundle {
+namespace {
+
+// Two classes, 3 apart along the first attribute; the second attribute is a hundred times as large and says nothing.
+LabelledCases two_clouds(int cases, std::uint64_t seed) {
+  LabelledCases labelled{.attribute_set = "test", .class_names = {"left", "right"}, .attributes = {}, .classes = {}};
+  labelled.attributes.resize(2, cases);
+  Random random(seed);
+  for (int n = 0; n < cases; ++n) {
+    const int side = n % 2;
+    labelled.attributes.col(n) << 3.0 * side + 0.3 * random.normal(), 100.0 * random.normal();
+    labelled.classes.push_back(static_cast<std::uint8_t>(side));
+  }
+  return labelled;
+}
+
+// The metric makes up for attributes of different size: raw distances would be decided by the second attribute alone.
+TEST(CaseBase, LearntMetricIgnoresWhatVariesWithinClasses) {
+  const CaseBase base = learn(two_clouds(400, 1));
+  const LabelledCases others = two_clouds(400, 2);
+  int right = 0, known = 0;
+  for (int n = 0; n < 400; ++n) {
+    const CaseVerdict verdict = classify(base, others.attributes.col(n));
+    known += verdict.known;
+    right += verdict.known && verdict.best == others.classes[n];
+  }
+  EXPECT_EQ(right, known);
+  EXPECT_GE(known, 385);  // known_share 0.998 and a little for the edges that 400 cases do not reach
+}
+
+TEST(CaseBase, WhatIsFarFromAllCasesIsUnknown) {
+  const CaseBase base = learn(two_clouds(400, 1));
+  EXPECT_FALSE(classify(base, Eigen::Vector2d(-9.0, 0.0)).known);
+  EXPECT_FALSE(classify(base, Eigen::Vector2d(1.5, 0.0)).known);  // between the classes
+  EXPECT_FALSE(classify(base, Eigen::Vector2d(std::nan(""), 0.0)).known);
+}
+
+TEST(CaseBase, ACaseLeftOutDoesNotVoteForItself) {
+  const LabelledCases cases = two_clouds(60, 3);
+  const CaseBase base = learn(cases);
+  EXPECT_GT(classify_left_out(base, 5).distance, classify(base, cases.attributes.col(5)).distance);
+}
+
+TEST(CaseBase, TooFewCasesOfAClassAreRefused) {
+  LabelledCases cases = two_clouds(40, 4);
+  std::ranges::fill(cases.classes, std::uint8_t{0});
+  EXPECT_THROW(learn(cases), Error);
+}
+
+TEST(CaseBase, SizesThatDoNotAgreeAreRefused) {
+  CaseBase base = learn(two_clouds(40, 4));
+  base.classes.pop_back();
+  EXPECT_THROW(base.check(), Error);
+}
+
+}  // namespace
+}  // namespace raybundle
