@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "raybundle/cockpit/cockpit.hpp"
+#include "raybundle/synthetic/random.hpp"
+#include "skeleton.hpp"
+
+namespace raybundle {
+
+using Meshes = std::vector<CabinMesh>;
+
+enum class Age { kAdult, kSchoolchild, kToddler, kBaby };
+
+/// How a passenger sits.
+enum class Sitting {
+  kNormal,
+  kLeaningForward,
+  kHeadOnDashboard,
+  kFeetUp,
+  kReachingForward,
+  kTurned,
+  kOnTheEdge,
+  kKneeling
+};
+inline constexpr int kSittings = 8;
+
+/// A body and how it is dressed.
+struct Person {
+  BodySize size;
+  CabinMaterial skin, hair, shirt, trousers, shoes;
+  bool cap = false;
+  double clothes_m = 0.01;  ///< thickness
+};
+
+/// Where a child seat or booster holds a child.
+struct ChildPlace {
+  Eigen::Vector3d hips = Eigen::Vector3d::Zero();  ///< [vehicle frame]
+  double recline_rad = 0.0;                        ///< of the back, against the direction the child looks in
+  bool looks_back = false;
+};
+
+/// A car maker's cabins and the people and things in them. Everything is drawn from the Random that is handed in.
+class CabinFamily {
+ public:
+  virtual ~CabinFamily() = default;
+
+  virtual CabinLayout layout(Random& random) const = 0;
+  virtual SeatSetting seat_setting(const CabinLayout& layout, Random& random) const = 0;
+  virtual void add_car(const CabinLayout& layout, Random& random, Meshes& meshes) const = 0;
+  virtual void add_seat(const SeatSetting& seat, Random& random, Meshes& meshes) const = 0;
+
+  virtual Person person(Age age, Random& random) const = 0;
+  virtual Posture posture(const BodySize& size, Sitting sitting, const SeatSetting& seat, const CabinLayout& layout,
+                          Random& random) const = 0;
+  virtual void add_person(const Person& person, const Skeleton& skeleton, Meshes& meshes) const = 0;
+
+  virtual ChildPlace add_booster(const SeatSetting& seat, Random& random, Meshes& meshes) const = 0;
+  virtual ChildPlace add_forward_baby_seat(const SeatSetting& seat, Random& random, Meshes& meshes) const = 0;
+  virtual ChildPlace add_rear_baby_seat(const SeatSetting& seat, Random& random, Meshes& meshes) const = 0;
+  virtual void add_objects(const SeatSetting& seat, Random& random, Meshes& meshes) const = 0;
+};
+
+const CabinFamily& training_family();
+const CabinFamily& test_family();
+
+}  // namespace raybundle
