@@ -29,15 +29,15 @@ std::string text_for_attribute(std::string_view text) {
   return replaced(replaced(replaced(text, '&', "&amp;"), '"', "&quot;"), '<', "&lt;");
 }
 
-std::string joined_scripts() {
+std::string joined_script() {
   std::string text;
-  for (const std::string_view script : kReportScripts) text += script;
+  for (const std::string_view piece : kReportScript) text += piece;
   return text;
 }
 
 std::string part_named(std::string_view name, const std::string& report_json, const std::string& images) {
   if (name == "style") return std::string(kReportStyle);
-  if (name == "script") return joined_scripts();
+  if (name == "script") return joined_script();
   if (name == "report") return json_for_script(report_json);
   if (name == "images") return text_for_attribute(images.empty() ? images : images + "/");
   throw Error(ErrorKind::kBadInput, "the page has no part of that name; see apps/report_page.cpp", std::string(name));

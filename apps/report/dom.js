@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The Raybundle authors
 // SPDX-License-Identifier: Apache-2.0
-// Elements, tables and numbers. The files of this folder are joined into one script; main.js comes last.
+// Elements, tables and numbers.
 
 /** An element; attributes that start with "on" are listeners, null ones are left out; children are nodes or texts. */
-function el(tag, attributes = {}, ...children) {
+export function el(tag, attributes = {}, ...children) {
   const element = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {
     if (value === null || value === undefined) continue;
@@ -18,7 +18,7 @@ function el(tag, attributes = {}, ...children) {
  * A table in a box of its own that scrolls on narrow screens.
  * columns: [title, kind], kind one of "number", "words", "path", ""; the first column heads the rows.
  */
-function table(columns, rows, caption = null) {
+export function table(columns, rows, caption = null) {
   const head = columns.map(([title, kind]) => el("th", { scope: "col", class: kind || null }, title));
   const body = rows.map((row) => {
     const cells = row.map((cell, i) =>
@@ -30,63 +30,63 @@ function table(columns, rows, caption = null) {
 }
 
 /** The same, as narrow as its content. */
-function narrowTable(...parameters) {
+export function narrowTable(...parameters) {
   const box = table(...parameters);
   box.classList.add("narrow");
   return box;
 }
 
-function section(id, title, ...children) {
+export function section(id, title, ...children) {
   const heading = el("h2", { id: id + "-title" }, title);
   return el("section", { id, "aria-labelledby": id + "-title" }, heading, ...children);
 }
 
 /** 1404 -> "1 404", with a narrow space that does not break. */
-function count(value) {
+export function count(value) {
   return String(value).replace(/\B(?=(\d{3})+(?!\d))/g, "\u202f");
 }
 
 /** "1 view", "2 views" */
-function counted(value, noun) {
+export function counted(value, noun) {
   return count(value) + " " + noun + (value === 1 ? "" : "s");
 }
 
 /** A clause as a sentence. */
-function sentence(clause) {
+export function sentence(clause) {
   return clause && clause[0].toUpperCase() + clause.slice(1) + (/[.!?]$/.test(clause) ? "" : ".");
 }
 
-function fixed(value, digits) {
+export function fixed(value, digits) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
   return value.toFixed(digits).replace(/^-/, "−");
 }
 
 /** A length in pixels with three significant digits or so. */
-function px(value) {
+export function px(value) {
   if (!Number.isFinite(value)) return "–";
   if (value > 0 && value < 5e-4) return value.toExponential(1).replace("-", "−");
   return fixed(value, value >= 100 ? 0 : value >= 10 ? 1 : value >= 1 ? 2 : 3);
 }
 
 /** [value, sigma] as texts with as many digits as the sigma's second one. Sigma missing: the parameter was fixed. */
-function withSigma(value, sigma) {
+export function withSigma(value, sigma) {
   if (!(sigma > 0)) return [Math.abs(value) >= 1e-4 || value === 0 ? fixed(value, 6).replace(/\.?0+$/, "") : value.toExponential(4), "held fixed"];
   const digits = Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(sigma))));
   return [fixed(value, digits), "± " + fixed(sigma, digits)];
 }
 
-function percent(part, whole) {
+export function percent(part, whole) {
   if (!(whole > 0)) return "–";
   const value = (100 * part) / whole;
   return (value === 0 || value >= 10 ? value.toFixed(0) : value.toFixed(1)) + " %";
 }
 
 /** Address of an image, as seen from this page. */
-function imageAddress(path) {
+export function imageAddress(path) {
   const whole = path.startsWith("/") ? path : document.body.dataset.images + path;
   return whole.split("/").map(encodeURIComponent).join("/");
 }
 
-function imageLink(path, text = path) {
+export function imageLink(path, text = path) {
   return path ? el("a", { href: imageAddress(path), title: path }, text) : "";
 }

@@ -2,11 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Figures with axes: residuals against the angle, their distribution, and the views one by one.
 
-const graphAspect = 1.6;
-const rayleighMedian = Math.sqrt(2 * Math.log(2));  // median distance of two normal components, in their sigma
+import { counted, px } from "./dom.js";
+import { cornerMark, cross } from "./image_figures.js";
+import { quantile } from "./model.js";
+import { axes, color, figure, line, plot } from "./plot.js";
+
+export const graphAspect = 1.6;
+export const rayleighMedian = Math.sqrt(2 * Math.log(2));  // median distance of two normal components, in their sigma
 
 /** Mean and rms of `value` in about 16 steps of `place`. */
-function steps(corners, place, value, low, high) {
+export function steps(corners, place, value, low, high) {
   const bins = Array.from({ length: 16 }, () => ({ n: 0, sum: 0, squares: 0 }));
   for (const corner of corners) {
     const bin = bins[Math.min(15, Math.floor((16 * (corner[place] - low)) / (high - low || 1)))];
@@ -19,14 +24,14 @@ function steps(corners, place, value, low, high) {
     .filter((bin) => bin.n >= 10);
 }
 
-function path(context, points) {
+export function path(context, points) {
   context.beginPath();
   points.forEach(([x, y], i) => (i ? context.lineTo(x, y) : context.moveTo(x, y)));
   context.stroke();
 }
 
 /** Radial part of the residual against the angle from the axis or, without poses, the distance from the centre. */
-function radialFigure(camera, choose) {
+export function radialFigure(camera, choose) {
   const place = camera.hasAngles ? "angle" : "radius";
   const corners = camera.used.filter((corner) => Number.isFinite(corner[place]));
   const high = corners.reduce((most, corner) => Math.max(most, corner[place]), 0) || 1;
@@ -61,7 +66,7 @@ function radialFigure(camera, choose) {
     "A line that wanders far from zero asks for another lens model, or for more corners there.");
 }
 
-function histogramFigure(camera) {
+export function histogramFigure(camera) {
   const high = 1.15 * quantile(camera.distances, 0.995) || 1, bins = new Array(40).fill(0);
   for (const distance of camera.distances) if (distance < high) bins[Math.floor((40 * distance) / high)] += 1;
   const sigma = camera.median_px / rayleighMedian, total = camera.distances.length;
@@ -91,7 +96,7 @@ function histogramFigure(camera) {
     "wrong corners, a moving board, or a model that does not fit.");
 }
 
-function viewBarsFigure(camera, choose) {
+export function viewBarsFigure(camera, choose) {
   const entries = camera.entries, top = Math.max(1e-9, ...entries.map((entry) => entry.view.rms_px)) * 1.1;
   const draw = (context, width, height) => {
     const { toX, toY, box } = axes(context, width, height, { x: [0, entries.length], y: [0, top], xName: "views in the order of the frames", yName: "rms [px]" });

@@ -2,8 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Figures in the frame of the image: where the corners are, and where the residuals point.
 
+import { count, fixed, percent, px } from "./dom.js";
+import { quantile } from "./model.js";
+import { color, figure, line, niceBelow, plot, tickText } from "./plot.js";
+
 /** Draws the frame of the image and returns the map from pixels to places. */
-function imageFrame(context, camera, width, height) {
+export function imageFrame(context, camera, width, height) {
   const scale = width / camera.width;
   context.strokeStyle = color("muted");
   context.lineWidth = 1;
@@ -11,7 +15,7 @@ function imageFrame(context, camera, width, height) {
   return { scale, toX: (u) => (u + 0.5) * scale, toY: (v) => (v + 0.5) * scale };
 }
 
-function cornerText(corner) {
+export function cornerText(corner) {
   const where = Number.isFinite(corner.angle) ? `, ${fixed(corner.angle, 0)}° off axis` : "";
   const residual = Number.isFinite(corner.distance)
     ? `${px(corner.distance)} px (${fixed(corner.du, 2)}, ${fixed(corner.dv, 2)})`
@@ -19,21 +23,21 @@ function cornerText(corner) {
   return `frame ${corner.entry.name}, corner ${corner.id}\n${residual}${where}\n${fateText(corner.fate)}`;
 }
 
-function fateText(fate) {
+export function fateText(fate) {
   return { used: "used", outlier: "left out as an outlier", unprojectable: "left out: the model does not reach it",
     view_set_aside: "its view was set aside" }[fate] ?? fate;
 }
 
-function cornerMark(corner, x, y, choose) {
+export function cornerMark(corner, x, y, choose) {
   return { x, y, text: () => cornerText(corner), choose: () => choose(corner.entry) };
 }
 
-function cross(context, x, y, size) {
+export function cross(context, x, y, size) {
   line(context, x - size, y - size, x + size, y + size);
   line(context, x - size, y + size, x + size, y - size);
 }
 
-function coverageFigure(camera, choose) {
+export function coverageFigure(camera, choose) {
   const { columns, rows, cells, covered } = camera.cells;
   const most = cells.reduce((n, cell) => Math.max(n, cell.n), 1);
   const draw = (context, width, height) => {
@@ -65,13 +69,13 @@ function coverageFigure(camera, choose) {
 }
 
 /** How much to stretch residuals so that a large one takes some part of the width, and a bar that tells it. */
-function stretchFor(lengths, camera) {
+export function stretchFor(lengths, camera) {
   const typical = quantile([...lengths].sort((a, b) => a - b), 0.9) || 1;
   const stretch = niceBelow((0.035 * camera.width) / typical);
   return { stretch, bar: niceBelow((0.12 * camera.width) / stretch) };
 }
 
-function scaleBar(context, width, height, length, text) {
+export function scaleBar(context, width, height, length, text) {
   const x = 12, y = height - 12, room = Math.max(length, context.measureText(text).width) + 16;
   context.globalAlpha = 0.85;
   context.fillStyle = color("sheet");
@@ -85,7 +89,7 @@ function scaleBar(context, width, height, length, text) {
   context.fillText(text, x, y - 7);
 }
 
-function residualFigure(camera, choose) {
+export function residualFigure(camera, choose) {
   const { stretch, bar } = stretchFor(camera.distances, camera);
   const draw = (context, width, height) => {
     const { scale, toX, toY } = imageFrame(context, camera, width, height);
@@ -115,7 +119,7 @@ function residualFigure(camera, choose) {
     "Choose one with the pointer to see its view.");
 }
 
-function arrow(context, x, y, dx, dy) {
+export function arrow(context, x, y, dx, dy) {
   const length = Math.hypot(dx, dy), head = Math.min(5, 0.4 * length);
   const ux = dx / (length || 1), uy = dy / (length || 1);
   context.moveTo(x, y);
@@ -125,9 +129,9 @@ function arrow(context, x, y, dx, dy) {
   context.lineTo(x + dx - head * (ux + 0.6 * uy), y + dy - head * (uy - 0.6 * ux));
 }
 
-const fewestInCell = 5;
+export const fewestInCell = 5;
 
-function meanResidualFigure(camera) {
+export function meanResidualFigure(camera) {
   const { columns, rows, cells } = camera.means;
   const means = cells.map((cell, i) => ({ n: cell.n, du: cell.du / cell.n, dv: cell.dv / cell.n,
     u: (((i % columns) + 0.5) * camera.width) / columns - 0.5, v: ((Math.floor(i / columns) + 0.5) * camera.height) / rows - 0.5,

@@ -2,12 +2,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // Puts the page together from the report that stands in it.
 
+import "./notice.js";
+import { count, counted, el, px, section } from "./dom.js";
+import { histogramFigure, radialFigure, viewBarsFigure } from "./graphs.js";
+import { coverageFigure, meanResidualFigure, residualFigure } from "./image_figures.js";
+import { cameraModel } from "./model.js";
+import { followPrinterAndScheme, plots, tip } from "./plot.js";
+import { boardsSection, camerasSection, parametersTable, rigSection, runSection, setAsideSection, tiles, warningsSection } from "./tables.js";
+import { viewsPanel } from "./views.js";
+
+/** camera.choose(entry) shows one of its views. */
 function cameraSection(camera) {
   const panel = viewsPanel(camera);
   const choose = (entry) => {
     panel.choose(entry);
     panel.node.scrollIntoView({ block: "nearest" });
   };
+  camera.choose = choose;
   const unreached = camera.corners.filter((corner) => corner.fate === "unprojectable").length;
   const beyond = unreached ? `, ${count(unreached)} because the model does not reach them` : "";
   const figures = camera.used.length
@@ -28,8 +39,13 @@ function navigation(sections) {
 function drawPage(report) {
   const cameras = report.cameras.map((camera, i) => ({ ...cameraModel(camera, report), anchor: "camera-" + i }));
   const names = cameras.map((camera) => camera.name).join(", ");
+  const chooseFrame = (pose) => {
+    const seen = (entry) => entry.view.pose >= 0 && report.poses[entry.view.pose] === pose;
+    const camera = cameras.find((each) => each.entries.some(seen));
+    camera?.choose(camera.entries.find(seen));
+  };
   const warnings = warningsSection(report);
-  const sections = [warnings, camerasSection(cameras), ...cameras.map(cameraSection), rigSection(report, cameras), boardsSection(report),
+  const sections = [warnings, camerasSection(cameras), ...cameras.map(cameraSection), rigSection(report, cameras, chooseFrame), boardsSection(report),
     setAsideSection(report), runSection(report)].filter(Boolean);
   const version = report.provenance.versions.find(({ name }) => name === "raybundle");
   document.title = `Calibration of ${names}`;

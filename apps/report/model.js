@@ -2,30 +2,30 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the figures need, worked out of report.json once.
 
-function rotated([x, y, z, w], [a, b, c]) {
+export function rotated([x, y, z, w], [a, b, c]) {
   const tx = 2 * (y * c - z * b), ty = 2 * (z * a - x * c), tz = 2 * (x * b - y * a);
   return [a + w * tx + y * tz - z * ty, b + w * ty + z * tx - x * tz, c + w * tz + x * ty - y * tx];
 }
 
 /** x_in_b of x_in_a; transform is b_from_a. */
-function transformed(transform, point) {
+export function transformed(transform, point) {
   const t = transform.translation_m;
   return rotated(transform.rotation_xyzw, point).map((value, i) => value + t[i]);
 }
 
 /** a_from_b of b_from_a. */
-function inverse(transform) {
+export function inverse(transform) {
   const [x, y, z, w] = transform.rotation_xyzw;
   const rotation = [-x, -y, -z, w];
   return { rotation_xyzw: rotation, translation_m: rotated(rotation, transform.translation_m).map((value) => -value) };
 }
 
-function quantile(sorted, part) {
+export function quantile(sorted, part) {
   return sorted.length ? sorted[Math.min(sorted.length - 1, Math.floor(part * sorted.length))] : 0;
 }
 
 /** Rows of a view as objects; the names of the columns stand in the report. */
-function cornersOf(view, report) {
+export function cornersOf(view, report) {
   const columns = report.observation_columns;
   const at = Object.fromEntries(columns.map((name, i) => [name, i]));
   return view.observations.map((row) => {
@@ -38,7 +38,7 @@ function cornersOf(view, report) {
 }
 
 /** Adds to each corner its angle from the camera's axis [deg], which board pose and camera give without a lens model. */
-function addAngles(corners, camera, view, report) {
+export function addAngles(corners, camera, view, report) {
   if (!camera.camera_from_rig || view.pose < 0) return;
   const points = new Map(report.targets[view.target].points.map(([id, x, y, z]) => [id, [x, y, z]]));
   const rig_from_target = report.poses[view.pose].rig_from_target;
@@ -49,7 +49,7 @@ function addAngles(corners, camera, view, report) {
 }
 
 /** Adds the part of the residual that points away from the principal point [px]. */
-function addRadials(corners, camera) {
+export function addRadials(corners, camera) {
   const { cx, cy } = camera.parameters ?? { cx: (camera.width - 1) / 2, cy: (camera.height - 1) / 2 };
   for (const corner of corners) {
     const x = corner.u - cx, y = corner.v - cy, radius = Math.hypot(x, y);
@@ -59,7 +59,7 @@ function addRadials(corners, camera) {
 }
 
 /** The image in so many square-ish cells across, with the used corners of each. */
-function cellsOf(camera, used, columns) {
+export function cellsOf(camera, used, columns) {
   const rows = Math.max(1, Math.round((columns * camera.height) / camera.width));
   const cells = Array.from({ length: columns * rows }, () => ({ n: 0, du: 0, dv: 0 }));
   for (const corner of used) {
@@ -75,7 +75,7 @@ function cellsOf(camera, used, columns) {
 }
 
 /** One camera with its views, corners and cells. */
-function cameraModel(camera, report) {
+export function cameraModel(camera, report) {
   const views = report.views.filter((view) => view.camera === camera.name);
   const reasons = report.set_aside.filter((entry) => entry.camera === camera.name && entry.scope !== "image");
   const entries = views.map((view) => {
@@ -100,6 +100,6 @@ function cameraModel(camera, report) {
   };
 }
 
-function viewName(view, report) {
+export function viewName(view, report) {
   return report.targets.length > 1 ? view.frame + ", " + report.targets[view.target].name : view.frame;
 }

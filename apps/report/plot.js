@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Canvases that follow the width of the page, the colour scheme and the printer.
 
-const plots = [];
+import { el } from "./dom.js";
+
+export const plots = [];
 let printing = false;
 
-function color(name) {
+export function color(name) {
   return getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
 }
 
@@ -13,14 +15,13 @@ function color(name) {
  * A drawing. draw(context, width, height) is in CSS pixels and may return marks {x, y, text, choose}: what the pointer
  * names when it comes near, and what a click calls.
  */
-function plot({ aspect, label, draw, attributes = {} }) {
-  const canvas = el("canvas", { role: "img", "aria-label": label, style: "aspect-ratio:" + aspect, ...attributes });
-  const item = { canvas, draw, marks: [] };
-  plots.push(item);
+export function plot({ aspect, label, draw }) {
+  const canvas = el("canvas", { role: "img", "aria-label": label, style: "aspect-ratio:" + aspect });
+  const item = { canvas, marks: [] };
   item.redraw = () => {
     const width = canvas.clientWidth, height = width / aspect;
     if (!width) return;
-    const scale = printing ? 3 : Math.max(1, window.devicePixelRatio || 1);
+    const scale = pixelScale();
     canvas.width = Math.round(width * scale);
     canvas.height = Math.round(height * scale);
     const context = canvas.getContext("2d");
@@ -28,14 +29,25 @@ function plot({ aspect, label, draw, attributes = {} }) {
     context.font = "12px system-ui, 'DejaVu Sans', sans-serif";
     item.marks = draw(context, width, height) ?? [];
   };
-  new ResizeObserver(() => { if (!printing) item.redraw(); }).observe(canvas);
-  canvas.addEventListener("pointermove", (event) => showTip(item, event));
-  canvas.addEventListener("pointerleave", hideTip);
-  canvas.addEventListener("click", (event) => nearest(item, event)?.choose?.());
+  register(item);
   return item;
 }
 
-function nearest(item, event) {
+/** Pixels of a canvas for each CSS pixel. */
+export function pixelScale() {
+  return printing ? 3 : Math.max(1, window.devicePixelRatio || 1);
+}
+
+/** Lets a drawing {canvas, redraw, marks} follow its width and answer the pointer. It is drawn when it nears the screen. */
+export function register(item) {
+  plots.push(item);
+  new ResizeObserver(() => { if (!printing) item.redraw(); }).observe(item.canvas);
+  item.canvas.addEventListener("pointermove", (event) => showTip(item, event));
+  item.canvas.addEventListener("pointerleave", hideTip);
+  item.canvas.addEventListener("click", (event) => nearest(item, event)?.choose?.());
+}
+
+export function nearest(item, event) {
   const box = item.canvas.getBoundingClientRect();
   const x = event.clientX - box.left, y = event.clientY - box.top;
   let best = null, least = 12 * 12;
@@ -46,13 +58,13 @@ function nearest(item, event) {
   return best;
 }
 
-const tip = el("div", { class: "tip", hidden: "", "aria-hidden": "true" });
+export const tip = el("div", { class: "tip", hidden: "", "aria-hidden": "true" });
 
-function hideTip() {
+export function hideTip() {
   tip.hidden = true;
 }
 
-function showTip(item, event) {
+export function showTip(item, event) {
   const mark = event.buttons ? null : nearest(item, event);
   tip.hidden = !mark;
   if (!mark) return;
@@ -62,7 +74,7 @@ function showTip(item, event) {
 }
 
 /** Draws everything again in the colours of paper. */
-function followPrinterAndScheme() {
+export function followPrinterAndScheme() {
   const redrawAll = () => plots.forEach((item) => item.redraw());
   const forPaper = (on) => {
     printing = on;
@@ -75,24 +87,24 @@ function followPrinterAndScheme() {
 }
 
 /** A figure with its heading and a sentence that says how to read it. */
-function figure(title, item, caption) {
+export function figure(title, item, caption) {
   return el("figure", {}, el("h3", {}, title), el("div", { class: "drawing" }, item.canvas), el("figcaption", {}, caption));
 }
 
 /** 1, 2 or 5 times a power of ten, at most the value. */
-function niceBelow(value) {
+export function niceBelow(value) {
   const power = 10 ** Math.floor(Math.log10(value));
   const lead = value / power;
   return (lead >= 5 ? 5 : lead >= 2 ? 2 : 1) * power;
 }
 
 /** 0.30000000000000004 -> "0.3" */
-function tickText(value) {
+export function tickText(value) {
   return String(Number(value.toPrecision(6))).replace(/^-/, "−");
 }
 
 /** Axes with ticks; returns the maps from values to places. The vertical axis is named at its top. */
-function axes(context, width, height, { x, y, xName, yName }) {
+export function axes(context, width, height, { x, y, xName, yName }) {
   const box = { left: 44, right: width - 10, top: 24, bottom: height - 36 };
   const toX = (value) => box.left + ((value - x[0]) / (x[1] - x[0] || 1)) * (box.right - box.left);
   const toY = (value) => box.bottom - ((value - y[0]) / (y[1] - y[0] || 1)) * (box.bottom - box.top);
@@ -121,7 +133,7 @@ function axes(context, width, height, { x, y, xName, yName }) {
   return { toX, toY, box };
 }
 
-function line(context, x0, y0, x1, y1) {
+export function line(context, x0, y0, x1, y1) {
   context.beginPath();
   context.moveTo(x0, y0);
   context.lineTo(x1, y1);

@@ -2,7 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is said in words and numbers: warnings, cameras, parameters, places, boards, what was left out, how it was done.
 
-function warningsSection(report) {
+import { count, counted, el, fixed, imageLink, narrowTable, percent, px, section, sentence, table, withSigma } from "./dom.js";
+import { boardFigure } from "./board_figure.js";
+import { rigFigure } from "./space.js";
+
+export function warningsSection(report) {
   const ended = { iteration_limit: "The solve stopped at its limit of iterations before it converged.",
     failed: "The solve failed: do not use this calibration." }[report.termination];
   const missing = report.cameras.filter((camera) => !camera.parameters).map((camera) => `Camera ${camera.name} was not calibrated.`);
@@ -14,7 +18,7 @@ function warningsSection(report) {
   return node;
 }
 
-function tiles(report) {
+export function tiles(report) {
   const sum = (key) => report.cameras.reduce((total, camera) => total + camera[key], 0);
   const used = sum("corners_used"), left = sum("corners_outlier");
   const tile = (name, value, unit) => el("div", {}, el("dt", {}, name), el("dd", {}, value, " ", el("small", {}, unit)));
@@ -27,7 +31,7 @@ function tiles(report) {
     tile("solve", ended, `in ${counted(report.iterations, "iteration")}`));
 }
 
-function camerasSection(cameras) {
+export function camerasSection(cameras) {
   const rows = cameras.map((camera) => [
     el("a", { href: "#" + camera.anchor }, camera.name), camera.model, `${camera.width}\u00a0×\u00a0${camera.height}`,
     `${camera.views_used} / ${camera.views_total}`, count(camera.corners_used), count(camera.corners_outlier),
@@ -40,7 +44,7 @@ function camerasSection(cameras) {
     el("p", { class: "muted" }, "rms is the root of the mean squared distance per corner, as OpenCV defines it; ± is one standard deviation."));
 }
 
-function parametersTable(camera) {
+export function parametersTable(camera) {
   if (!camera.parameters) return el("p", {}, "This camera was not calibrated.");
   const unit = (name) => (["fx", "fy", "cx", "cy"].includes(name) ? "px" : "");
   const rows = Object.entries(camera.parameters).map(([name, value]) => {
@@ -51,13 +55,13 @@ function parametersTable(camera) {
 }
 
 /** Length of a translation and its sigma to first order [m]. */
-function baseline(camera) {
+export function baseline(camera) {
   const t = camera.camera_from_rig.translation_m, length = Math.hypot(...t);
   const parts = ["x", "y", "z"].map((axis, i) => (t[i] / (length || 1)) * (camera.sigmas["camera_from_rig.translation_" + axis] ?? 0));
   return [length, Math.hypot(...parts)];
 }
 
-function extrinsicsTable(cameras) {
+export function extrinsicsTable(cameras) {
   const rows = cameras.slice(1).filter((camera) => camera.camera_from_rig).map((camera) => {
     const { rotation_xyzw: q, translation_m: t } = camera.camera_from_rig, sigma = (name) => camera.sigmas["camera_from_rig." + name];
     const [length, length_sigma] = baseline(camera);
@@ -70,17 +74,18 @@ function extrinsicsTable(cameras) {
     ["y mm", "number"], ["z mm", "number"]], rows, "Places of the cameras");
 }
 
-function rigSection(report, cameras) {
+/** chooseFrame(pose) shows the view of a board that is clicked in space. */
+export function rigSection(report, cameras, chooseFrame) {
   const first = cameras[0].name;
   const words = cameras.length > 1
     ? [extrinsicsTable(cameras), el("p", { class: "muted" },
       `Relative to ${first}, whose frame is the rig frame. x, y, z: translation of camera_from_rig. Rotation sigma: root of the summed squares over the three axes.`)]
     : [];
-  const space = report.poses.length && cameras.some((camera) => camera.camera_from_rig) ? [rigFigure(report)] : [];
+  const space = report.poses.length && cameras.some((camera) => camera.camera_from_rig) ? [rigFigure(report, chooseFrame)] : [];
   return section("rig", cameras.length > 1 ? "The rig" : "The poses", ...words, ...space, el("p", { class: "muted" }, sentence(report.gauge)));
 }
 
-function boardsSection(report) {
+export function boardsSection(report) {
   const rows = report.targets.map((target) => {
     const shape = target.shape ?? {}, sigmas = target.shape_sigmas ?? {};
     const sag = (key) => (sigmas[key] > 0 ? withSigma(1e3 * shape[key], 1e3 * sigmas[key]).join(" ") : shape[key] ? fixed(1e3 * shape[key], 3) + " held fixed" : "taken as 0");
@@ -88,10 +93,11 @@ function boardsSection(report) {
   });
   return section("boards", report.targets.length === 1 ? "The board" : "The boards",
     narrowTable([["board", ""], ["points", "number"], ["bend along x mm", "number"], ["bend along y mm", "number"], ["twist mm", "number"]], rows, "Boards"),
+    el("div", { class: "figures" }, report.targets.map(boardFigure)),
     el("p", { class: "muted" }, "Bend: how far the middle stands off the plane through the edges; twist: how far the corners do."));
 }
 
-function setAsideSection(report) {
+export function setAsideSection(report) {
   const kinds = { view: "Views set aside", extrinsics: "Views that count for their camera, but not for its place on the rig", image: "Images without a view" };
   const parts = Object.entries(kinds).flatMap(([scope, title]) => {
     const entries = report.set_aside.filter((entry) => entry.scope === scope);
@@ -104,7 +110,7 @@ function setAsideSection(report) {
     report.outlier_rule ? el("p", { class: "muted" }, sentence(report.outlier_rule)) : null);
 }
 
-function runSection(report) {
+export function runSection(report) {
   const total = report.stages.reduce((sum, stage) => sum + stage.seconds, 0);
   const longest = Math.max(1e-9, ...report.stages.map((stage) => stage.seconds));
   const stages = report.stages.map((stage) => [stage.name, fixed(stage.seconds, 2), el("span", { class: "bar", style: `width:${((12 * stage.seconds) / longest).toFixed(2)}rem` })]);

@@ -2,16 +2,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // The views of a camera, worst first, and one of them with its image and residuals.
 
-const viewsAtFirst = 12;
+import { count, counted, el, imageAddress, imageLink, px, table } from "./dom.js";
+import { cornerText, cross, imageFrame, scaleBar, stretchFor } from "./image_figures.js";
+import { color, plot, tickText } from "./plot.js";
+
+export const viewsAtFirst = 12;
 
 /** Set aside first, then by falling rms. */
-function worstFirst(entries) {
+export function worstFirst(entries) {
   const weight = (entry) => (entry.view.pose < 0 ? Infinity : entry.view.rms_px);
   return [...entries].sort((a, b) => (weight(b) === weight(a) ? 0 : weight(b) > weight(a) ? 1 : -1));
 }
 
 /** Shows one view; show(entry) puts another in its place. */
-function viewDetail(camera) {
+export function viewDetail(camera) {
   const state = { entry: null };
   const caption = el("figcaption", { "aria-live": "polite" });
   const image = el("img", { alt: "", onerror: () => (image.hidden = true), onload: () => (image.hidden = false) });
@@ -29,7 +33,7 @@ function viewDetail(camera) {
   return { show, node: el("figure", {}, el("div", { class: "photo" }, image, item.canvas), caption) };
 }
 
-function viewWords(entry) {
+export function viewWords(entry) {
   const left = entry.corners.filter((corner) => corner.fate === "outlier" || corner.fate === "unprojectable");
   const words = entry.view.pose < 0
     ? `set aside: ${entry.reason ?? "it did not fit"}. `
@@ -42,7 +46,7 @@ function viewWords(entry) {
     list ? `Largest: ${list}. ` : "", imageLink(entry.view.image)];
 }
 
-function drawView(context, camera, entry, width, height) {
+export function drawView(context, camera, entry, width, height) {
   const { stretch, bar } = stretchFor(camera.distances, camera);
   const { scale, toX, toY } = imageFrame(context, camera, width, height);
   const marks = entry.corners.map((corner) => {
@@ -68,7 +72,7 @@ function drawView(context, camera, entry, width, height) {
 }
 
 /** The table beside the detail. Returns {node, choose}: choose(entry) shows a view wherever it was picked. */
-function viewsPanel(camera) {
+export function viewsPanel(camera) {
   const detail = viewDetail(camera);
   const order = worstFirst(camera.entries), rowOf = new Map();
   let chosen = null;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "json_camera.hpp"
+#include "json_laser.hpp"
 #include "raybundle/scene/atomic_file.hpp"
 
 namespace raybundle {
@@ -181,9 +182,11 @@ std::string text_from_report(const CalibrationProblem& problem, const Calibratio
       {"provenance", json_from_provenance(extra.provenance)}};
   if (result.laser) {
     json["laser"] = json_from_laser_summary(*result.laser);
+    if (result.calibration.laser) json["laser"].update(json_from_pattern(*result.calibration.laser));
     json["dot_columns"] = {"u_px", "v_px", "row", "column", "residual_u_px", "residual_v_px", "fate"};
   }
-  return pretty_text(json, {"views"});
+  for (const ReportSection& section : extra.sections) json[section.name] = OrderedJson::parse(section.json);
+  return pretty_text(json, {"views", "beams"});
 }
 
 void write_report(const std::filesystem::path& path, const CalibrationProblem& problem, const CalibrationResult& result,

@@ -20,10 +20,17 @@ struct UnusedImage {
   std::string reason;  ///< one clause: no board found, cannot be decoded, ...
 };
 
+/// A key of report.json that other parts of the program fill: a verdict, a comparison, pictures.
+struct ReportSection {
+  std::string name;
+  std::string json;  ///< its value
+};
+
 /// What a report holds beside problem and result.
 struct ReportExtra {
   std::vector<UnusedImage> unused_images;
   Provenance provenance;
+  std::vector<ReportSection> sections = {};  ///< in the order in which they are written
 };
 
 /// The text of report.json: everything that a report needs. Format: docs/formats/report.md,
