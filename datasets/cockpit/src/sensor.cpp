@@ -51,7 +51,7 @@ SimulatedCamera camera_of(const char* name, const ImageSize& size, double focal_
   camera.name = name;
   camera.camera = start_camera(*model_named("kannala_brandt"), size, focal_px);
   Eigen::VectorXd& p = camera.camera.parameters;
-  const double scale = size.width / 640.0;
+  const double scale = size.height / 480.0;
   p[0] *= 1 + 0.004 * random.normal();
   p[1] = p[0] * (1 + 0.001 * random.normal());
   p[2] += 3 * scale * random.normal();
@@ -98,10 +98,10 @@ CabinSensor stereo_sensor(CockpitGenerator generator, std::uint64_t seed, const 
   const bool training = generator == CockpitGenerator::kTraining;
   Random random(seed, training ? 201 : 202);
   CabinSensor sensor;
-  const double focal_px = (training ? 228.5 : 233.0) * size.width / 640.0;
+  const double focal_px = (training ? 228.5 : 233.0) * size.height / 480.0;
   for (const char* name : {"left", "right"}) {
     SimulatedCamera camera = camera_of(name, size, focal_px, 55 * kRadian, random);
-    camera.sensor.lens_blur_px = 0.6 * std::max(0.6, size.width / 640.0);
+    camera.sensor.lens_blur_px = 0.6 * std::max(0.6, size.height / 480.0);
     camera.sensor.vignetting = training ? 7.0 : 6.0;
     sensor.rig.cameras.push_back(camera);
   }
