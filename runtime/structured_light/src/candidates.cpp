@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/structured_light/candidates.hpp"
+
+#include <cassert>
+#include <cmath>
+
+namespace raybundle {
+
+BeamSet::BeamSet(const SensorTable& table_) : table(table_) {
+  beams.reserve(table.beams.size());
+  for (const TableBeam& beam : table.beams) beams.push_back(beam_geometry(beam));
+}
+
+void BeamSet::set_log_wavelength(double log_wavelength_) {
+  log_wavelength = log_wavelength_;
+  for (std::size_t i = 0; i < beams.size(); ++i) beams[i] = beam_geometry(table.beams[i], log_wavelength);
+}
+
+Candidates::Candidates(int most_dots) {
+  rays_.reserve(most_dots);
+  candidates_.reserve(static_cast<std::size_t>(most_dots) * kMostOfDot);
+  first_.reserve(most_dots + 1);
+}
+
+void Candidates::find(const BeamSet& set, std::span<const Dot> dots) {
+  assert(dots.size() <= rays_.capacity());
+  const SensorRange& range = set.table.range;
+  rays_.clear();
+  candidates_.clear();
+  first_.assign(1, 0);
+  for (const Dot& dot : dots) {
+    const RayTable::Ray ray = set.table.rays.at(dot.pixel);
+    const std::size_t begin = candidates_.size();
+    for (const int b : set.table.candidates.at(dot.pixel)) {
+      const BeamGeometry& beam = set.beams[b];
+      const double off = beam.off_plane(ray.direction);
+      const Eigen::Vector2d gradient = ray.per_px.transpose() * beam.normal;  // of off_plane by the pixel [1/px]
+      const double per_px2 = gradient.squaredNorm();
+      if (!(off * off <= range.tolerance_px * range.tolerance_px * per_px2)) continue;  // NaN: there is no ray
+      const BeamPoint point = beam_point(beam, ray.direction);
+      if (!(point.x.z() >= range.nearest_m && point.x.z() <= range.farthest_m)) continue;
+      const double variance =
+          gradient.dot(dot.covariance_px2 * gradient) + beam.off_plane_variance(point.along_m, point.inverse_distance);
+      if (off * off > kGateSigmas * kGateSigmas * variance) continue;
+      if (candidates_.size() - begin == kMostOfDot) {
+        candidates_.resize(begin);
+        break;
+      }
+      candidates_.push_back({static_cast<int>(rays_.size()), b, point.inverse_distance, off / std::sqrt(per_px2),
+                             off / std::sqrt(variance)});
+    }
+    rays_.push_back(ray);
+    first_.push_back(static_cast<int>(candidates_.size()));
+  }
+}
+
+}  // namespace raybundle

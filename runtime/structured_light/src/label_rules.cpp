@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "label_rules.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace raybundle {
+namespace {
+
+constexpr double kSpread = 0.25;        // [1/m] of the inverse distances of neighbouring dots on one surface
+constexpr double kEdgeShare = 0.1;      // of neighbouring dots that lie on different surfaces
+constexpr double kFarOff_sigmas = 2.5;  // from the curve: one in eighty true dots
+
+// The next label on one side along a row or column; -1 when there is none.
+int next_label(const LabelTask& task, const LabelWork& work, int beam, int row_step, int column_step) {
+  const BeamLattice& lattice = task.lattice;
+  int row = lattice.row[beam] + row_step, column = lattice.column[beam] + column_step;
+  for (; row >= 0 && row < lattice.rows && column >= 0 && column < lattice.columns;
+       row += row_step, column += column_step) {
+    const int other = lattice.at(row, column);
+    if (other >= 0 && work.dot_of_beam[other] >= 0) return work.chosen[work.dot_of_beam[other]];
+  }
+  return -1;
+}
+
+bool breaks_order(const LabelTask& task, const LabelWork& work, const Candidate& candidate) {
+  for (const auto& [row_step, column_step] : {std::pair{0, 1}, {0, -1}, {1, 0}, {-1, 0}}) {
+    const int other = next_label(task, work, candidate.beam, row_step, column_step);
+    if (other >= 0 && !in_order(task, candidate, task.candidates.all()[other])) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+double smoothness(double a, double b, const SensorRange& range) {
+  const double width = 1.0 / range.nearest_m - 1.0 / range.farthest_m;
+  const double on_one = std::exp(-std::abs(a - b) / kSpread) * width / (2.0 * kSpread);
+  return std::log((1.0 - kEdgeShare) * on_one + kEdgeShare);
+}
+
+double support_by_neighbours(const LabelTask& task, const LabelWork& work, const Candidate& candidate) {
+  bool any = false;
+  double least = 0.0;  // difference of inverse distances
+  for (const int beam : task.lattice.around[candidate.beam]) {
+    if (beam < 0 || work.dot_of_beam[beam] < 0 || work.dot_of_beam[beam] == candidate.dot) continue;
+    const Candidate& other = task.candidates.all()[work.chosen[work.dot_of_beam[beam]]];
+    const double difference = std::abs(other.inverse_distance - candidate.inverse_distance);
+    least = any ? std::min(least, difference) : difference;
+    any = true;
+  }
+  return any ? smoothness(least, 0.0, task.range) : 0.0;
+}
+
+void begin(const LabelTask& task, LabelWork& work) {
+  work.chosen.assign(task.candidates.dots(), -1);
+  work.dot_of_beam.assign(task.lattice.row.size(), -1);
+  work.alive.assign(task.candidates.all().size(), 1);
+}
+
+void choose(const LabelTask& task, LabelWork& work, int candidate) {
+  const Candidate& label = task.candidates.all()[candidate];
+  work.chosen[label.dot] = candidate;
+  work.dot_of_beam[label.beam] = label.dot;
+}
+
+void withdraw(const LabelTask& task, LabelWork& work, int dot) {
+  work.dot_of_beam[task.candidates.all()[work.chosen[dot]].beam] = -1;
+  work.chosen[dot] = -1;
+}
+
+void withdraw_doubtful(const LabelTask& task, LabelWork& work) {
+  work.doubtful.clear();
+  for (int dot = 0; dot < task.candidates.dots(); ++dot) {
+    if (work.chosen[dot] < 0) continue;
+    const Candidate& label = task.candidates.all()[work.chosen[dot]];
+    if (support_by_neighbours(task, work, label) > 0.0) continue;
+    if (std::abs(label.off_sigmas) > kFarOff_sigmas || breaks_order(task, work, label)) work.doubtful.push_back(dot);
+  }
+  for (const int dot : work.doubtful) withdraw(task, work, dot);
+}
+
+}  // namespace raybundle
