@@ -7,7 +7,7 @@ import { count, counted, el, px, section } from "./dom.js";
 import { histogramFigure, radialFigure, viewBarsFigure } from "./graphs.js";
 import { coverageFigure, meanResidualFigure, residualFigure } from "./image_figures.js";
 import { cameraModel } from "./model.js";
-import { followPrinterAndScheme, plots, tip } from "./plot.js";
+import { followPrinterAndScheme, tip } from "./plot.js";
 import { boardsSection, camerasSection, parametersTable, rigSection, runSection, setAsideSection, tiles, warningsSection } from "./tables.js";
 import { viewsPanel } from "./views.js";
 
@@ -53,7 +53,6 @@ function drawPage(report) {
     el("header", {}, el("h1", {}, "Calibration report"), el("p", { class: "muted" }, names), tiles(report)),
     navigation(sections), el("main", { id: "main" }, sections),
     el("footer", {}, "Drawn from report.json, which this page carries whole", version ? `; Raybundle ${version.value}` : "", "."), tip);
-  plots.forEach((item) => item.redraw());
   followPrinterAndScheme();
 }
 

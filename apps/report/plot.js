@@ -40,8 +40,17 @@ export function pixelScale() {
 
 /** Lets a drawing {canvas, redraw, marks} follow its width and answer the pointer. It is drawn when it nears the screen. */
 export function register(item) {
+  let near = false, stale = true;
+  item.refresh = () => {
+    stale = !near && !printing;
+    if (!stale) item.redraw();
+  };
   plots.push(item);
-  new ResizeObserver(() => { if (!printing) item.redraw(); }).observe(item.canvas);
+  new ResizeObserver(() => { if (!printing) item.refresh(); }).observe(item.canvas);
+  new IntersectionObserver((entries) => {
+    near = entries[entries.length - 1].isIntersecting;
+    if (near && stale) item.refresh();
+  }, { rootMargin: "50%" }).observe(item.canvas);
   item.canvas.addEventListener("pointermove", (event) => showTip(item, event));
   item.canvas.addEventListener("pointerleave", hideTip);
   item.canvas.addEventListener("click", (event) => nearest(item, event)?.choose?.());
@@ -75,7 +84,7 @@ export function showTip(item, event) {
 
 /** Draws everything again in the colours of paper. */
 export function followPrinterAndScheme() {
-  const redrawAll = () => plots.forEach((item) => item.redraw());
+  const redrawAll = () => plots.forEach((item) => item.refresh());
   const forPaper = (on) => {
     printing = on;
     document.documentElement.classList.toggle("print", on);

@@ -33,7 +33,7 @@ function groupOf(layer, materials) {
 
 /** An onlooker on a sphere about the middle; y points down, as in the rig frame. */
 function placeOnlooker(onlooker, bounds, look) {
-  const distance = (1.25 * bounds.radius) / Math.tan((viewAngle * Math.PI) / 360) / look.zoom;
+  const distance = (1.05 * bounds.radius) / Math.tan((viewAngle * Math.PI) / 360) / look.zoom;
   const [x, y, z] = bounds.middle, flat = distance * Math.cos(look.pitch);
   onlooker.position.set(x - flat * Math.sin(look.yaw), y - distance * Math.sin(look.pitch), z - flat * Math.cos(look.yaw));
   onlooker.near = distance / 100;
