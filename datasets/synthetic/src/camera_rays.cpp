@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Raybundle authors
 // SPDX-License-Identifier: Apache-2.0
-#include "camera_rays.hpp"
+#include "raybundle/synthetic/camera_rays.hpp"
 
 #include <cmath>
 #include <limits>

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "raybundle/synthetic/gaussian_beam.hpp"
 #include "seen_board.hpp"
 
 namespace raybundle {
@@ -25,21 +26,6 @@ class Background {
  private:
   double radius_m_;
   Eigen::Vector3d centre_;
-};
-
-/// A beam in the target's frame: Gaussian across, wider away from its waist.
-struct GaussianBeam {
-  Line3 line;
-  double power_W = 0.0;
-  double waist_radius_m = 0.0;
-  double waist_distance_m = 0.0;
-  double divergence_rad = 0.0;
-
-  /// 1/e² radius so far along the beam.
-  double radius_m(double along_m) const;
-
-  /// On a surface across the beam [W/m²].
-  double irradiance_W_m2(const Eigen::Vector3d& place) const;
 };
 
 /// What the laser lights, for a camera.

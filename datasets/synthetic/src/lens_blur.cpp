@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Raybundle authors
 // SPDX-License-Identifier: Apache-2.0
-#include "lens_blur.hpp"
+#include "raybundle/synthetic/lens_blur.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "laser_light.hpp"
+#include "raybundle/synthetic/sensor.hpp"
 #include "seen_board.hpp"
-#include "sensor.hpp"
 #include "view_geometry.hpp"
 
 namespace raybundle {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "board_scene.hpp"
-#include "camera_rays.hpp"
-#include "lens_blur.hpp"
 #include "print_coverage.hpp"
+#include "raybundle/synthetic/camera_rays.hpp"
+#include "raybundle/synthetic/lens_blur.hpp"
 
 namespace raybundle {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Raybundle authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sensor.hpp"
+#include "raybundle/synthetic/sensor.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "lens_blur.hpp"
+#include "raybundle/synthetic/lens_blur.hpp"
 #include "raybundle/synthetic/render.hpp"
 
 namespace raybundle {
