@@ -131,6 +131,13 @@ struct Packet {
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     rtcIntersect8(valid.data(), scene, &context, &rays);
   }
+
+  void trace_shadows(RTCScene scene) {
+    for (int i = count; i < kPacket; ++i) valid[i] = 0;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded8(valid.data(), scene, &context, &rays.ray);
+  }
 };
 
 }  // namespace
@@ -189,6 +196,27 @@ bool CabinScene::blocked(const Eigen::Vector3d& from, const Eigen::Vector3d& to)
   rtcInitIntersectContext(&context);
   rtcOccluded1(traced_in(traced_).scene.get(), &context, &ray);
   return ray.tfar < 0;
+}
+
+void CabinScene::blocked(std::span<const CabinHit> from, const Eigen::Vector3d& to,
+                         std::span<std::uint8_t> dark) const {
+  const RTCScene scene = traced_in(traced_).scene.get();
+  Packet packet;
+  const auto flush = [&] {
+    packet.trace_shadows(scene);
+    for (int i = 0; i < packet.count; ++i) dark[packet.index[i]] = packet.rays.ray.tfar[i] < 0;
+    packet.count = 0;
+  };
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    if (from[i].mesh < 0) continue;
+    const Eigen::Vector3d way = to - from[i].x_in_vehicle;
+    const double length = way.norm();
+    packet.push(from[i].x_in_vehicle.cast<float>(), (way / length).cast<float>(), i);
+    packet.rays.ray.tnear[packet.count - 1] = static_cast<float>(kOffSurface_m);
+    packet.rays.ray.tfar[packet.count - 1] = static_cast<float>(length - kOffSurface_m);
+    if (packet.count == kPacket) flush();
+  }
+  if (packet.count > 0) flush();
 }
 
 double CabinScene::albedo(const CabinHit& hit) const {

@@ -73,7 +73,7 @@ Sitting draw_sitting(CabinClass wanted, Age age, Random& random) {
 
 CabinLight draw_light(Random& random) {
   CabinLight light;
-  light.ambient_W_m2 = random.uniform(0.1, 2.0);
+  light.ambient_W_m2 = random.uniform(0.05, 1.2);
   if (random.chance(0.35)) {
     light.sun_W_m2 = random.uniform(2.0, 20.0);
     const double azimuth = random.uniform(0.0, 2 * M_PI), height = random.uniform(0.35, 1.2);

@@ -71,6 +71,7 @@ CabinSensor structured_light_sensor(CockpitGenerator generator, std::uint64_t se
   SimulatedCamera camera = camera_of("camera", {640, 480}, training ? 282.0 : 268.0, 70 * kRadian, random);
   camera.sensor.lens_blur_px = training ? 0.55 : 0.65;
   camera.sensor.vignetting = 4.0;
+  camera.sensor.exposure = 2.5;
   sensor.rig.cameras.push_back(camera);
   Emitter emitter;
   emitter.grid = grid;
@@ -88,8 +89,8 @@ CabinSensor structured_light_sensor(CockpitGenerator generator, std::uint64_t se
   emitter.rig_from_emitter = jittered(beside, 0.0005, 0.8 * kRadian, random);
   sensor.rig.emitter = emitter;
   mount(sensor,
-        training ? Mounting{{0.46, 0.36, 0.90}, {0.12, 0.00, 0.25}, 0.0}
-                 : Mounting{{0.42, 0.31, 0.93}, {0.14, -0.02, 0.22}, 4 * kRadian},
+        training ? Mounting{{0.46, 0.34, 0.88}, {0.13, 0.00, 0.24}, 0.0}
+                 : Mounting{{0.48, 0.31, 0.90}, {0.16, -0.02, 0.22}, 4 * kRadian},
         random);
   return sensor;
 }
@@ -98,7 +99,8 @@ CabinSensor stereo_sensor(CockpitGenerator generator, std::uint64_t seed, const 
   const bool training = generator == CockpitGenerator::kTraining;
   Random random(seed, training ? 201 : 202);
   CabinSensor sensor;
-  const double focal_px = (training ? 228.5 : 233.0) * size.height / 480.0;
+  // The used field fills the image's height.
+  const double focal_px = (training ? 1.0 : 1.02) * size.height / (110 * kRadian);
   for (const char* name : {"left", "right"}) {
     SimulatedCamera camera = camera_of(name, size, focal_px, 55 * kRadian, random);
     camera.sensor.lens_blur_px = 0.6 * std::max(0.6, size.height / 480.0);
@@ -107,10 +109,10 @@ CabinSensor stereo_sensor(CockpitGenerator generator, std::uint64_t seed, const 
   }
   const Rigid3 right{Eigen::Quaterniond::Identity(), {training ? -0.12 : -0.10, 0, 0}};
   sensor.rig.cameras[1].camera_from_rig = jittered(right, 0.0005, 0.5 * kRadian, random);
-  sensor.illuminator_W_m2 = training ? 3.0 : 3.5;
+  sensor.illuminator_W_m2 = training ? 6.0 : 7.0;
   mount(sensor,
-        training ? Mounting{{0.46, 0.36, 0.90}, {0.10, 0.00, 0.25}, 0.0}
-                 : Mounting{{0.42, 0.31, 0.93}, {0.12, -0.02, 0.22}, 4 * kRadian},
+        training ? Mounting{{0.46, 0.33, 0.87}, {0.14, 0.00, 0.22}, 0.0}
+                 : Mounting{{0.49, 0.30, 0.88}, {0.17, -0.01, 0.21}, 4 * kRadian},
         random);
   return sensor;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -40,6 +41,11 @@ class CabinScene {
 
   /// Whether something lies between two places; surfaces within 1 mm of either end do not count.
   bool blocked(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const;
+
+  /// The same for many hits and one place, eight at a time; hits that are none stay as they are.
+  ///
+  /// @param dark  as many as hits: 1 where something lies between
+  void blocked(std::span<const CabinHit> from, const Eigen::Vector3d& to, std::span<std::uint8_t> dark) const;
 
   /// Share of the light that falls on a hit which comes back; its pattern included.
   double albedo(const CabinHit& hit) const;
