@@ -3,17 +3,15 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "held_out.hpp"
 #include "input_flags.hpp"
+#include "laser_verdict.hpp"
 #include "raybundle/calibrate/calibrate.hpp"
 #include "raybundle/geometry/error.hpp"
-#include "raybundle/geometry/quantile.hpp"
 #include "raybundle/io/calibration_file.hpp"
-#include "raybundle/uncertainty/held_out_dots.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 
@@ -26,6 +24,7 @@ struct ValidateFlags {
   double max_rms_px = 0.0;    // 0: twice what the calibration itself reached
   double min_share = 0.75;    // of the views, which have to fit at all
   double max_plane_mm = 0.0;  // rms of the laser's points from the boards; 0: no gate
+  std::string retuned;        // file for the calibration with the wavelength that the dots show; empty: none
   bool json = false;
 };
 
@@ -41,84 +40,6 @@ struct CameraVerdict {
   bool passed() const { return fits() && enough_views(); }
 };
 
-// How the dots of a laser fared on boards that the calibration has not seen.
-struct DotsVerdict {
-  int dots = 0;
-  std::vector<HeldOutDot> explained;
-  double rms_px = 0.0;
-  double median_px = 0.0;
-  double limit_mm = 0.0;  // 0: none
-
-  // Root mean square distance from the boards of the points between two depths [mm]; NaN without any.
-  double plane_mm(double nearest_m, double farthest_m) const {
-    double sum = 0.0;
-    int count = 0;
-    for (const HeldOutDot& dot : explained) {
-      if (dot.depth_m < nearest_m || dot.depth_m >= farthest_m) continue;
-      sum += dot.off_board_m * dot.off_board_m;
-      ++count;
-    }
-    return count > 0 ? 1e3 * std::sqrt(sum / count) : std::nan("");
-  }
-  double plane_mm() const { return plane_mm(0.0, std::numeric_limits<double>::infinity()); }
-  bool passed() const { return limit_mm <= 0.0 || plane_mm() <= limit_mm; }
-};
-
-// Depths between which points are counted together [m].
-constexpr std::pair<double, double> kDepthBands[] = {{0.0, 0.4}, {0.4, 0.75}, {0.75, 1.25}, {1.25, 1000.0}};
-
-// Dots by the beams of the calibration, on the boards where their corners have put them.
-DotsVerdict judge_dots(const Calibration& calibration, const CalibrationProblem& observed,
-                       const CalibrationResult& placed) {
-  // The placed boards are seen from the first camera of the held-out rig.
-  const Rigid3 rig_from_first = camera_named(calibration, observed.cameras.front().name).camera_from_rig.inverse();
-  std::vector<std::optional<Rigid3>> rig_from_target;
-  DotsVerdict verdict;
-  for (std::size_t v = 0; v < observed.views.size(); ++v) {
-    const int pose = placed.views[v].pose;
-    rig_from_target.push_back(pose < 0 ? std::nullopt
-                                       : std::optional(rig_from_first * placed.poses[pose].rig_from_target));
-    if (pose >= 0) verdict.dots += static_cast<int>(observed.views[v].dots.size());
-  }
-  constexpr double kTolerances = 3.0;  // the boards' places are uncertain too
-  const double tolerance_px = calibration.laser->advice ? calibration.laser->advice->ambiguity.tolerance_px : 1.0;
-  verdict.explained = explain_dots(calibration, observed, rig_from_target, kTolerances * tolerance_px);
-  double squares = 0.0;
-  std::vector<double> distances;
-  for (const HeldOutDot& dot : verdict.explained) {
-    squares += dot.residual_px.squaredNorm();
-    distances.push_back(dot.residual_px.norm());
-  }
-  if (!distances.empty()) verdict.median_px = median(distances);
-  verdict.rms_px = std::sqrt(squares / std::max<double>(1.0, static_cast<double>(verdict.explained.size())));
-  return verdict;
-}
-
-void print_dots(const DotsVerdict& verdict) {
-  fmt::print(
-      "laser: {} of {} dots belong to a beam, {:.3f} px rms and {:.3f} px in the median from where it meets the "
-      "board{}\n",
-      verdict.explained.size(), verdict.dots, verdict.rms_px, verdict.median_px, verdict.passed() ? "" : "  FAIL");
-  for (const auto& [nearest, farthest] : kDepthBands) {
-    const double mm = verdict.plane_mm(nearest, farthest);
-    if (!std::isfinite(mm)) continue;
-    const std::string band = farthest < 1000.0 ? fmt::format("{:.2f} m to {:.2f} m", nearest, farthest)
-                                               : fmt::format("beyond {:.2f} m", nearest);
-    fmt::print("  {}: points lie {:.2f} mm rms off the board\n", band, mm);
-  }
-}
-
-nlohmann::ordered_json json_of(const DotsVerdict& verdict) {
-  nlohmann::ordered_json bands = nlohmann::ordered_json::array();
-  for (const auto& [nearest, farthest] : kDepthBands) {
-    bands.push_back(
-        {{"nearest_m", nearest}, {"farthest_m", farthest}, {"plane_rms_mm", verdict.plane_mm(nearest, farthest)}});
-  }
-  return {{"dots", verdict.dots},           {"explained", verdict.explained.size()}, {"rms_px", verdict.rms_px},
-          {"median_px", verdict.median_px}, {"plane_rms_mm", verdict.plane_mm()},    {"bands", bands},
-          {"passed", verdict.passed()}};
-}
-
 double limit_px(const ValidateFlags& flags, const CalibrationFile& file, const std::string& camera) {
   if (flags.max_rms_px > 0) return flags.max_rms_px;
   for (std::size_t c = 0; c < file.summaries.size(); ++c) {
@@ -127,7 +48,7 @@ double limit_px(const ValidateFlags& flags, const CalibrationFile& file, const s
   throw Error(ErrorKind::kBadInput, "the calibration does not say its own rms; give --max-rms");
 }
 
-void print_json(const std::vector<CameraVerdict>& verdicts, const std::optional<DotsVerdict>& dots, bool passed) {
+void print_json(const std::vector<CameraVerdict>& verdicts, const std::optional<LaserVerdict>& dots, bool passed) {
   nlohmann::ordered_json cameras = nlohmann::ordered_json::array();
   for (const CameraVerdict& verdict : verdicts) {
     cameras.push_back({{"name", verdict.name},
@@ -195,20 +116,21 @@ void run(const ValidateFlags& flags) {
     const std::string& name = problem.cameras[c].name;
     verdicts.push_back({name, result.cameras[c], limit_px(flags, file, name), flags.min_share});
   }
-  std::optional<DotsVerdict> dots;
+  std::optional<LaserVerdict> dots;
   const bool any_dots =
       std::ranges::any_of(images.observations.problem.views, [](const TargetView& v) { return !v.dots.empty(); });
   if (file.calibration.laser && any_dots) {
-    dots = judge_dots(file.calibration, images.observations.problem, result);
+    dots = judge_laser(file.calibration, images.observations.problem, result);
     dots->limit_mm = flags.max_plane_mm;
   }
+  if (!flags.retuned.empty()) write_retuned(flags.retuned, file, dots);
   const bool passed =
       std::ranges::all_of(verdicts, &CameraVerdict::passed) && (dots ? dots->passed() : flags.max_plane_mm <= 0.0);
   if (flags.json) {
     print_json(verdicts, dots, passed);
   } else {
     print_table(verdicts);
-    if (dots) print_dots(*dots);
+    if (dots) print_laser(*dots);
     for (const SetAside& aside : result.set_aside) {
       say(fmt::format("set aside: {}: {}", view_name(problem, problem.views[aside.view]), aside.reason));
     }
@@ -242,6 +164,9 @@ void add_validate_verb(CLI::App& app) {
   verb->add_option("--max-plane", flags->max_plane_mm,
                    "gate for the laser: rms distance of its points from the boards [mm]")
       ->check(CLI::PositiveNumber);
+  verb->add_option("--retune", flags->retuned,
+                   "write the calibration with the laser's wavelength as these images show it: temperature moves it")
+      ->type_name("FILE");
   verb->add_flag("--json", flags->json, "print the result as JSON");
   verb->footer(
       "Example:\n  raybundle validate out/calibration.json --target chessboard:9x6:25mm --camera "

@@ -83,6 +83,28 @@ TEST(Laser, ObservationsGiveTheBeamsAndHeldOutBoardsConfirmThem) {
 }
 
 // The board is found with the laser off, the dots with it on; spots on edges of the print are given up.
+// Ten kelvins move the wavelength by 2.8 nm of 830 nm, and points at 1 m by centimetres; five frames mend it.
+TEST(Laser, AWarmerLaserIsRetunedFromFiveFrames) {
+  const fs::path folder = fresh_folder();
+  ASSERT_EQ(simulate(folder / "sim", {"--frames", "40", "--seed", "7", "--no-images"}).exit_code, 0);
+  ASSERT_EQ(simulate(folder / "warm", {"--frames", "5", "--seed", "9", "--no-images", "--warmer", "10"}).exit_code, 0);
+  calibrate(folder, {"--observations", (folder / "sim/observations.json").string()});
+  const auto validate = [&](const std::string& calibration, std::vector<std::string> more) {
+    more.insert(more.begin(), {"validate", (folder / calibration).string(), "--observations",
+                               (folder / "warm/observations.json").string(), "--json"});
+    const ProgramRun run = raybundle_program(more);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return nlohmann::json::parse(run.out)["laser"];
+  };
+  const nlohmann::json cold = validate("out/calibration.json", {"--retune", (folder / "warm.json").string()});
+  EXPECT_TRUE(cold["wavelength"]["drifted"].get<bool>());
+  EXPECT_NEAR(cold["wavelength"]["scale"].get<double>(), 1 + 2.8 / 830, 4e-4);  // a tenth of the drift, 1 K
+  const nlohmann::json warm = validate("warm.json", {});
+  EXPECT_FALSE(warm["wavelength"]["drifted"].get<bool>());
+  EXPECT_GT(cold["plane_rms_mm"].get<double>(), 10.0);
+  EXPECT_LT(warm["plane_rms_mm"].get<double>(), 5.0);
+}
+
 TEST(Laser, ImagesGiveTheBeams) {
   const fs::path folder = fresh_folder();
   ASSERT_EQ(simulate(folder / "sim", {"--frames", "40", "--seed", "7"}).exit_code, 0);

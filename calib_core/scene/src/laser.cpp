@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "raybundle/scene/laser.hpp"
 
+#include <cassert>
 #include <cmath>
 
 namespace raybundle {
@@ -16,6 +17,19 @@ std::optional<Line3> beam_of_order(const Grating& grating, double m, double n) {
   const Eigen::Vector3d direction(spread.x(), spread.y(), std::sqrt(1.0 - spread.squaredNorm()));
   const Eigen::Vector3d point(0.0, 0.0, grating.shift_m * s2);
   return grating.rig_from_projector * Line3{point, direction};
+}
+
+LaserPattern at_wavelength(const LaserPattern& pattern, double scale) {
+  assert(pattern.grating);
+  LaserPattern moved = pattern;
+  moved.grating->wavelength_scale = scale;
+  for (LaserBeam& beam : moved.beams) {
+    const double m = beam.column - pattern.zero_order_column, n = beam.row - pattern.zero_order_row;
+    const std::optional<Line3> before = beam_of_order(*pattern.grating, m, n),
+                               after = beam_of_order(*moved.grating, m, n);
+    if (before && after) beam.line = perturbed(*after, motion_between(*before, beam.line));
+  }
+  return moved;
 }
 
 }  // namespace raybundle

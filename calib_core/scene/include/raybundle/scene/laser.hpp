@@ -117,4 +117,9 @@ struct LaserPattern {
   std::optional<LabelAdvice> advice = {};
 };
 
+/// The pattern when the laser's wavelength is this many times what it was during calibration, as temperature moves it
+/// (about 0.28 nm/K for diodes). Each beam moves as its order of the grating's model does and keeps how it differs from
+/// the model; what is derived from the beams (depths, advice) stays as it was. Needs a grating.
+LaserPattern at_wavelength(const LaserPattern& pattern, double scale);
+
 }  // namespace raybundle
