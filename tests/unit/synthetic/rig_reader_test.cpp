@@ -41,8 +41,8 @@ TEST(RigReader, ReadsTheRigOfThePaper) {
   EXPECT_EQ(rig.emitter->grid.size(), 121);
   EXPECT_NEAR(rig.emitter->lattice_turn_rad, 12 * M_PI / 180, 1e-15);
   EXPECT_NEAR(rig.emitter->lens->radius_m, 0.009 * 0.517, 1e-15);
-  EXPECT_EQ(rig.board.target.points.size(), 54u);
-  EXPECT_DOUBLE_EQ(rig.board.print.sheet.low.x(), -0.076 - 0.02);
+  EXPECT_EQ(rig.board.target.points.size(), 117u);
+  EXPECT_DOUBLE_EQ(rig.board.print.sheet.low.x(), -0.08 - 0.02);
   // 130 x 100 degrees
   const Camera& camera = rig.cameras[0].camera;
   const auto degrees = [&](double u, double v) {
