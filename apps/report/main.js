@@ -7,13 +7,16 @@ import { count, counted, el, px, section } from "./dom.js";
 import { histogramFigure, radialFigure, viewBarsFigure } from "./graphs.js";
 import { coverageFigure, meanResidualFigure, residualFigure } from "./image_figures.js";
 import { cameraModel } from "./model.js";
+import { straightFigures } from "./pictures.js";
 import { followPrinterAndScheme, tip } from "./plot.js";
 import { boardsSection, camerasSection, parametersTable, rigSection, runSection, setAsideSection, tiles, warningsSection } from "./tables.js";
+import { uncertaintyFigure } from "./uncertainty.js";
+import { headline, nextViewsSection, verdictSection } from "./verdict.js";
 import { viewsPanel } from "./views.js";
 
 /** camera.choose(entry) shows one of its views. */
-function cameraSection(camera) {
-  const panel = viewsPanel(camera);
+function cameraSection(camera, report) {
+  const panel = viewsPanel(camera, report);
   const choose = (entry) => {
     panel.choose(entry);
     panel.node.scrollIntoView({ block: "nearest" });
@@ -22,13 +25,13 @@ function cameraSection(camera) {
   const unreached = camera.corners.filter((corner) => corner.fate === "unprojectable").length;
   const beyond = unreached ? `, ${count(unreached)} because the model does not reach them` : "";
   const figures = camera.used.length
-    ? el("div", { class: "figures" }, coverageFigure(camera, choose), residualFigure(camera, choose), meanResidualFigure(camera),
+    ? el("div", { class: "figures" }, coverageFigure(camera, choose), residualFigure(camera, choose), uncertaintyFigure(camera, report), meanResidualFigure(camera),
       radialFigure(camera, choose), histogramFigure(camera), viewBarsFigure(camera, choose))
     : el("p", {}, "None of its corners was used.");
   return section(camera.anchor, `Camera ${camera.name}`,
     el("p", {}, `${camera.views_used} of ${counted(camera.views_total, "view")} and ${counted(camera.corners_used, "corner")} used, ` +
       `${count(camera.corners_outlier)} left out as outliers${beyond}; rms ${px(camera.rms_px)} px, median ${px(camera.median_px)} px.`),
-    figures, el("h3", {}, "Views, worst first"), panel.node, el("h3", {}, "Parameters"), parametersTable(camera));
+    figures, straightFigures(camera, report), el("h3", {}, "Views, worst first"), panel.node, el("h3", {}, "Parameters"), parametersTable(camera));
 }
 
 function navigation(sections) {
@@ -45,12 +48,13 @@ function drawPage(report) {
     camera?.choose(camera.entries.find(seen));
   };
   const warnings = warningsSection(report);
-  const sections = [warnings, camerasSection(cameras), ...cameras.map(cameraSection), rigSection(report, cameras, chooseFrame), boardsSection(report),
+  const sections = [verdictSection(report), warnings, nextViewsSection(report, cameras), camerasSection(cameras),
+    ...cameras.map((camera) => cameraSection(camera, report)), rigSection(report, cameras, chooseFrame), boardsSection(report),
     setAsideSection(report), runSection(report)].filter(Boolean);
   const version = report.provenance.versions.find(({ name }) => name === "raybundle");
   document.title = `Calibration of ${names}`;
   document.getElementById("page").replaceWith(
-    el("header", {}, el("h1", {}, "Calibration report"), el("p", { class: "muted" }, names), tiles(report)),
+    el("header", {}, el("h1", {}, "Calibration report"), el("p", { class: "muted" }, names), headline(report), tiles(report)),
     navigation(sections), el("main", { id: "main" }, sections),
     el("footer", {}, "Drawn from report.json, which this page carries whole", version ? `; Raybundle ${version.value}` : "", "."), tip);
   followPrinterAndScheme();

@@ -76,7 +76,7 @@ function beamLayers(report) {
 }
 
 function nextViewLayer(report) {
-  const views = report.next_views ?? [];
+  const views = report.next_views?.views ?? [];
   if (!views.length) return [];
   const outlines = views.map((view) => outlineOf(view.rig_from_target, report.targets[view.target]));
   return [{ title: "next best views", color: "second", opacity: 1, lines: outlines.flatMap(loopOf), faces: outlines.flatMap(twoTriangles), faceOpacity: 0.15,

@@ -4,6 +4,7 @@
 
 import { count, counted, el, fixed, imageLink, narrowTable, percent, px, section, sentence, table, withSigma } from "./dom.js";
 import { boardFigure } from "./board_figure.js";
+import { rectifiedFigures } from "./pictures.js";
 import { rigFigure } from "./space.js";
 
 export function warningsSection(report) {
@@ -82,7 +83,7 @@ export function rigSection(report, cameras, chooseFrame) {
       `Relative to ${first}, whose frame is the rig frame. x, y, z: translation of camera_from_rig. Rotation sigma: root of the summed squares over the three axes.`)]
     : [];
   const space = report.poses.length && cameras.some((camera) => camera.camera_from_rig) ? [rigFigure(report, chooseFrame)] : [];
-  return section("rig", cameras.length > 1 ? "The rig" : "The poses", ...words, ...space, el("p", { class: "muted" }, sentence(report.gauge)));
+  return section("rig", cameras.length > 1 ? "The rig" : "The poses", ...words, ...space, ...rectifiedFigures(report), el("p", { class: "muted" }, sentence(report.gauge)));
 }
 
 export function boardsSection(report) {

@@ -4,6 +4,7 @@
 
 import { count, counted, el, imageAddress, imageLink, px, table } from "./dom.js";
 import { cornerText, cross, imageFrame, scaleBar, stretchFor } from "./image_figures.js";
+import { findPicture, pictureAddress } from "./pictures.js";
 import { color, plot, tickText } from "./plot.js";
 
 export const viewsAtFirst = 12;
@@ -15,7 +16,7 @@ export function worstFirst(entries) {
 }
 
 /** Shows one view; show(entry) puts another in its place. */
-export function viewDetail(camera) {
+export function viewDetail(camera, report) {
   const state = { entry: null };
   const caption = el("figcaption", { "aria-live": "polite" });
   const image = el("img", { alt: "", onerror: () => (image.hidden = true), onload: () => (image.hidden = false) });
@@ -24,7 +25,9 @@ export function viewDetail(camera) {
   const show = (entry) => {
     state.entry = entry;
     image.hidden = true;
-    if (entry.view.image) image.src = imageAddress(entry.view.image);
+    const picture = findPicture(report, "view", camera.name, entry.view.frame);
+    if (picture) image.src = pictureAddress(picture);
+    else if (entry.view.image) image.src = imageAddress(entry.view.image);
     else image.removeAttribute("src");
     caption.replaceChildren(...viewWords(entry));
     item.canvas.setAttribute("aria-label", `Corners and residuals of frame ${entry.name} of ${camera.name}`);
@@ -72,8 +75,8 @@ export function drawView(context, camera, entry, width, height) {
 }
 
 /** The table beside the detail. Returns {node, choose}: choose(entry) shows a view wherever it was picked. */
-export function viewsPanel(camera) {
-  const detail = viewDetail(camera);
+export function viewsPanel(camera, report) {
+  const detail = viewDetail(camera, report);
   const order = worstFirst(camera.entries), rowOf = new Map();
   let chosen = null;
   const mark = () => rowOf.forEach((row, entry) => row.classList.toggle("chosen", entry === chosen));
