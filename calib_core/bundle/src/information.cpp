@@ -16,19 +16,21 @@
 namespace raybundle {
 namespace {
 
-// Rows of everything that one board pose is seen in: the pose's six columns and those of the free parameters.
+// Rows of everything that one board pose is seen in: the pose's six columns, and those of the free parameters and of
+// the residual.
 struct PoseRows {
   Eigen::MatrixXd wrt_pose = Eigen::MatrixXd(0, 6);
-  Eigen::MatrixXd wrt_parameters;
+  Eigen::MatrixXd wrt_parameters;  // last column: residual
 
   void append(const ViewData& view, const ViewBlock& block, const Layout& layout) {
     const Eigen::Index before = wrt_pose.rows();
     const Eigen::Index count = block.residual.size() - 1;  // the last row has no Jacobian
     wrt_pose.conservativeResize(before + count, 6);
-    wrt_parameters.conservativeResize(before + count, layout.columns);
+    wrt_parameters.conservativeResize(before + count, layout.columns + 1);
     wrt_pose.bottomRows(count) = block.wrt_rig_from_target.topRows(count);
     auto rows = wrt_parameters.bottomRows(count);
     rows.setZero();
+    rows.rightCols<1>() = block.residual.head(count);
     using Kind = ParameterBlock::Kind;
     layout.scatter(Kind::kIntrinsics, view.camera, block.wrt_intrinsics.topRows(count), rows);
     layout.scatter(Kind::kCameraFromRig, view.camera, block.wrt_camera_from_rig.topRows(count), rows);
@@ -45,8 +47,6 @@ struct PoseRows {
   }
 };
 
-double weighted_chi2(const ViewBlock& block) { return block.residual.head(block.residual.size() - 1).squaredNorm(); }
-
 std::vector<std::string> free_names(const Layout& layout) {
   std::vector<std::string> names;
   for (const ParameterBlock& block : layout.blocks) {
@@ -60,6 +60,21 @@ std::vector<std::string> free_names(const Layout& layout) {
               "a corner or a dot in use is not projected by the camera model; mark_projectable() and mark_dots() find "
               "such ones",
               view_name(problem, problem.views[view]));
+}
+
+// In order, so that sums are formed in the same order every time.
+std::map<int, PoseRows> rows_by_pose(const CalibrationProblem& problem, const BundleState& state,
+                                     const BundleOptions& options, const Layout& layout) {
+  const Unknowns unknowns(state);
+  std::map<int, PoseRows> poses;
+  for (const ViewData& view : used_views(problem, state)) {
+    ViewBlock block;
+    const ViewBlockOptions view_options{.with_shape = layout.estimates_shape(view.target),
+                                        .robust_scale_sigma = options.robust_scale_sigma};
+    if (!linearize_view(view, unknowns.at(view), view_options, block)) throw_unprojectable(problem, view.view);
+    poses[view.pose].append(view, block, layout);
+  }
+  return poses;
 }
 
 // The equations at the state when there are beams, with the directions that nothing sees pinned.
@@ -108,25 +123,17 @@ ReducedInformation reduced_information(const CalibrationProblem& problem, const 
     return information_with_beams(at, options);
   }
   const Layout layout(estimated_blocks(problem, state, options));
-  const Unknowns unknowns(state);
   ReducedInformation result;
   result.information.setZero(layout.columns, layout.columns);
   result.parameters = layout.columns;
   result.names = free_names(layout);
 
-  std::map<int, PoseRows> poses;  // in order, so that sums are formed in the same order every time
-  for (const ViewData& view : used_views(problem, state)) {
-    ViewBlock block;
-    const ViewBlockOptions view_options{.with_shape = layout.estimates_shape(view.target),
-                                        .robust_scale_sigma = options.robust_scale_sigma};
-    if (!linearize_view(view, unknowns.at(view), view_options, block)) throw_unprojectable(problem, view.view);
-    result.chi2 += weighted_chi2(block);
-    result.residuals += 2 * static_cast<int>(view.pixel.rows());
-    poses[view.pose].append(view, block, layout);
-  }
+  const std::map<int, PoseRows> poses = rows_by_pose(problem, state, options, layout);
   result.parameters += 6 * static_cast<int>(poses.size());
   for (const auto& [index, rows] : poses) {
-    const Eigen::MatrixXd left = rows.eliminated();
+    result.chi2 += rows.wrt_parameters.rightCols<1>().squaredNorm();
+    result.residuals += static_cast<int>(rows.wrt_parameters.rows());
+    const Eigen::MatrixXd left = rows.eliminated().leftCols(layout.columns);
     result.information += left.transpose() * left;
   }
 
@@ -139,6 +146,27 @@ ReducedInformation reduced_information(const CalibrationProblem& problem, const 
     result.chi2 += prior.residual.squaredNorm();
     result.residuals += static_cast<int>(prior.residual.size());
   }
+  return result;
+}
+
+std::vector<FrameInformation> information_by_frame(const CalibrationProblem& problem, const BundleState& state,
+                                                   const BundleOptions& options) {
+  const Layout layout(estimated_blocks(problem, state, options));
+  std::map<int, FrameInformation> frames;
+  for (const auto& [index, rows] : rows_by_pose(problem, state, options, layout)) {
+    const Eigen::MatrixXd left = rows.eliminated();
+    const auto parameters = left.leftCols(layout.columns);
+    FrameInformation& frame = frames[state.poses[index].frame];
+    if (frame.gradient.size() == 0) {
+      frame.frame = state.poses[index].frame;
+      frame.information.setZero(layout.columns, layout.columns);
+      frame.gradient.setZero(layout.columns);
+    }
+    frame.information += parameters.transpose() * parameters;
+    frame.gradient += parameters.transpose() * left.rightCols<1>();
+  }
+  std::vector<FrameInformation> result;
+  for (auto& [index, frame] : frames) result.push_back(std::move(frame));
   return result;
 }
 

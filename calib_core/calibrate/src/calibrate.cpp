@@ -16,7 +16,9 @@
 #include "raybundle/camera/injectivity.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/initialize/rig_start.hpp"
+#include "raybundle/uncertainty/corner_evidence.hpp"
 #include "raybundle/uncertainty/covariance.hpp"
+#include "raybundle/uncertainty/frame_covariance.hpp"
 #include "robust_solve.hpp"
 #include "stopwatch.hpp"
 #include "subproblem.hpp"
@@ -49,9 +51,17 @@ BundleState rig_state(const CalibrationProblem& problem, const CamerasAlone& alo
 
 void fill_covariance(const CalibrationProblem& problem, const BundleState& state, const BundleOptions& options,
                      CalibrationResult& result) {
-  const CovarianceResult known = covariance(reduced_information(problem, state, options));
+  const ReducedInformation information = reduced_information(problem, state, options);
+  const CovarianceResult known = covariance(information);
   result.calibration.covariance = known.covariance;
   result.variance_factor = known.variance_factor;
+  const std::vector<FrameInformation> frames = information_by_frame(problem, state, options);
+  result.calibration.covariance_by_frame = covariance_by_frame(information, frames);
+  if (result.calibration.covariance_by_frame) {
+    const auto warning = frame_scatter_warning(known.covariance, *result.calibration.covariance_by_frame,
+                                               static_cast<int>(frames.size()));
+    if (warning) result.warnings.push_back(*warning);
+  }
   if (known.weak_parameters.empty()) return;
   std::string weak;
   bool extrinsic = false;
@@ -250,6 +260,9 @@ CalibrationResult calibrate_in_order(const CalibrationProblem& problem, const Ca
   if (sub.problem.laser) try_laser(options, bundle, sub.problem, state, result);
 
   fill_result(sub.problem, state, result);
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    result.calibration.cameras[c].evidence = corner_evidence(sub.problem, state, static_cast<int>(c));
+  }
   for (std::size_t v = 0; v < sub.views.size(); ++v) result.views[v].symmetry = rig.symmetry_of_view[v];
   warn_of_folds(sub.problem, state, result);
   std::ranges::copy_if(solve.ties.untied, std::back_inserter(result.set_aside),

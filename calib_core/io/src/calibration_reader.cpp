@@ -30,6 +30,28 @@ Camera camera_from(const JsonNode& node) {
   return camera;
 }
 
+CornerEvidence evidence_from(const JsonNode& node, Eigen::Index parameters) {
+  CornerEvidence evidence;
+  evidence.columns = node.at("columns").whole_number(1, 4096);
+  evidence.rows = node.at("rows").whole_number(1, 4096);
+  const JsonNode corners = node.at("corners");
+  corners.expect_array_size(static_cast<std::size_t>(evidence.columns) * evidence.rows);
+  for (std::size_t i = 0; i < corners.array_size(); ++i) {
+    evidence.corners.push_back(corners[i].whole_number(0, kMaxCount));
+  }
+  const JsonNode motion = node.at("implied_motion");
+  motion.expect_array_size(6);
+  evidence.implied_motion.resize(6, parameters);
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    const JsonNode row = motion[static_cast<std::size_t>(i)];
+    row.expect_array_size(static_cast<std::size_t>(parameters));
+    for (Eigen::Index k = 0; k < parameters; ++k) {
+      evidence.implied_motion(i, k) = row[static_cast<std::size_t>(k)].number();
+    }
+  }
+  return evidence;
+}
+
 std::vector<RigCamera> cameras_from(const JsonNode& nodes) {
   if (nodes.array_size() == 0) nodes.fail("is empty; a calibration has at least one camera");
   std::vector<RigCamera> cameras;
@@ -39,6 +61,9 @@ std::vector<RigCamera> cameras_from(const JsonNode& nodes) {
     const JsonNode name = node.at("name");
     if (!names.insert(name.name()).second) name.fail(in_quotes(name.name()) + " stands twice; rename one camera");
     cameras.push_back({name.name(), camera_from(node), node.at("camera_from_rig").rigid3()});
+    if (const auto evidence = node.find("evidence")) {
+      cameras.back().evidence = evidence_from(*evidence, cameras.back().camera.parameters.size());
+    }
   }
   return cameras;
 }
@@ -148,6 +173,9 @@ CalibrationFile calibration_from_text(std::string_view text, const std::string& 
   file.summaries = summaries_from(cameras);
   file.calibration.targets = calibrated_targets_from(root.at("targets"));
   file.calibration.covariance = covariance_from(root.at("covariance"));
+  if (const auto by_frame = root.find("covariance_by_frame")) {
+    file.calibration.covariance_by_frame = covariance_from(*by_frame);
+  }
   if (const auto laser = root.find("laser")) file.calibration.laser = pattern_from(*laser);
   const JsonNode residuals = root.at("residuals");
   file.rms_px = residuals.at("rms_px").number();

@@ -22,21 +22,27 @@ bool finite(const Rigid3& transform) {
   return transform.rotation.coeffs().allFinite() && transform.translation.allFinite();
 }
 
+void check(const Covariance& covariance) {
+  const auto count = static_cast<Eigen::Index>(covariance.names.size());
+  if (covariance.matrix.rows() != count || covariance.matrix.cols() != count) {
+    refuse("the covariance matrix and its names differ in size");
+  }
+  if (!covariance.matrix.allFinite()) refuse("the covariance holds a number that is not finite");
+}
+
 // A file that cannot be read back is worse than none.
 void check(const CalibrationFile& file) {
   const Calibration& calibration = file.calibration;
-  const auto count = static_cast<Eigen::Index>(calibration.covariance.names.size());
   if (calibration.cameras.empty()) refuse("there is no camera");
-  if (calibration.covariance.matrix.rows() != count || calibration.covariance.matrix.cols() != count) {
-    refuse("the covariance matrix and its names differ in size");
-  }
-  if (!calibration.covariance.matrix.allFinite()) refuse("the covariance holds a number that is not finite");
+  check(calibration.covariance);
+  if (calibration.covariance_by_frame) check(*calibration.covariance_by_frame);
   if (!file.summaries.empty() && file.summaries.size() != calibration.cameras.size()) {
     refuse("there are " + std::to_string(file.summaries.size()) + " residual summaries for " +
            std::to_string(calibration.cameras.size()) + " cameras");
   }
   for (const RigCamera& camera : calibration.cameras) {
-    if (!camera.camera.parameters.allFinite() || !finite(camera.camera_from_rig)) {
+    const bool evident = !camera.evidence || camera.evidence->implied_motion.allFinite();
+    if (!camera.camera.parameters.allFinite() || !finite(camera.camera_from_rig) || !evident) {
       refuse("camera " + camera.name + " holds a number that is not finite");
     }
   }
@@ -67,6 +73,16 @@ OrderedJson json_from_summary(const CameraSummary& summary) {
           {"corners_outlier", summary.corners_outlier}};
 }
 
+// Six rows, of three rotations and three translations, one number for each parameter.
+OrderedJson json_from_evidence(const CornerEvidence& evidence) {
+  OrderedJson motion = OrderedJson::array();
+  for (Eigen::Index i = 0; i < 6; ++i) motion.push_back(json_from_vector(evidence.implied_motion.row(i).transpose()));
+  return {{"columns", evidence.columns},
+          {"rows", evidence.rows},
+          {"corners", evidence.corners},
+          {"implied_motion", motion}};
+}
+
 OrderedJson json_from_camera(const CalibrationFile& file, std::size_t index) {
   const RigCamera& camera = file.calibration.cameras[index];
   OrderedJson json{{"name", camera.name},
@@ -75,6 +91,7 @@ OrderedJson json_from_camera(const CalibrationFile& file, std::size_t index) {
                    {"height", camera.camera.size.height}};
   add_estimates(camera, file.calibration.covariance, json);
   if (!file.summaries.empty()) json["residuals"] = json_from_summary(file.summaries[index]);
+  if (camera.evidence) json["evidence"] = json_from_evidence(*camera.evidence);
   return json;
 }
 
@@ -149,6 +166,9 @@ std::string text_from_calibration(const CalibrationFile& file) {
                    {"covariance", json_from_covariance(file.calibration.covariance)},
                    {"self_test", json_from_self_test(file.calibration.cameras)},
                    {"provenance", json_from_provenance(file.provenance)}};
+  if (file.calibration.covariance_by_frame) {
+    json["covariance_by_frame"] = json_from_covariance(*file.calibration.covariance_by_frame);
+  }
   if (file.calibration.laser) json["laser"] = json_from_pattern(*file.calibration.laser);
   return pretty_text(json, {"self_test", "beams"});
 }

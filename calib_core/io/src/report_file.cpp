@@ -74,6 +74,16 @@ OrderedJson json_from_set_aside(const CalibrationProblem& problem, const Calibra
   return json;
 }
 
+// By how much each sigma grows when the frames are asked instead of the corners.
+OrderedJson json_from_frame_scatter(const Calibration& calibration) {
+  OrderedJson json = OrderedJson::object();
+  for (const std::string& name : calibration.covariance.names) {
+    const double sigma = calibration.covariance.sigma(name);
+    if (sigma > 0) json[name] = calibration.covariance_by_frame->sigma(name) / sigma;
+  }
+  return json;
+}
+
 OrderedJson json_from_stages(const std::vector<StageTime>& stages) {
   OrderedJson json = OrderedJson::array();
   for (const StageTime& stage : stages) json.push_back({{"name", stage.name}, {"seconds", stage.seconds}});
@@ -180,6 +190,9 @@ std::string text_from_report(const CalibrationProblem& problem, const Calibratio
       {"observation_columns", {"point_id", "u_px", "v_px", "sigma_px", "residual_u_px", "residual_v_px", "fate"}},
       {"views", json_from_views(problem, result)},
       {"provenance", json_from_provenance(extra.provenance)}};
+  if (result.calibration.covariance_by_frame) {
+    json["sigma_ratio_by_frame"] = json_from_frame_scatter(result.calibration);
+  }
   if (result.laser) {
     json["laser"] = json_from_laser_summary(*result.laser);
     if (result.calibration.laser) json["laser"].update(json_from_pattern(*result.calibration.laser));

@@ -16,6 +16,19 @@ double Covariance::sigma(const std::string& name) const {
   return std::sqrt(matrix(i, i));
 }
 
+std::optional<int> CornerEvidence::cell(ImageSize size, const Eigen::Vector2d& pixel) const {
+  // Pixel (0, 0) is the centre of the first one, so that the image begins half a pixel before it.
+  const double column = std::floor((pixel.x() + 0.5) * columns / size.width);
+  const double row = std::floor((pixel.y() + 0.5) * rows / size.height);
+  if (!(column >= 0.0 && row >= 0.0 && column < columns && row < rows)) return std::nullopt;
+  return static_cast<int>(row) * columns + static_cast<int>(column);
+}
+
+bool CornerEvidence::covers(ImageSize size, const Eigen::Vector2d& pixel) const {
+  const std::optional<int> here = cell(size, pixel);
+  return here && corners[*here] > 0;
+}
+
 const RigCamera& camera_named(const Calibration& calibration, const std::string& name) {
   const auto found = std::ranges::find(calibration.cameras, name, &RigCamera::name);
   if (found != calibration.cameras.end()) return *found;

@@ -2,57 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "raybundle/uncertainty/beam_depth.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <string>
 
-#include "raybundle/geometry/rotation.hpp"
+#include "sensitivity.hpp"
 
 namespace raybundle {
-namespace {
-
-struct PixelDerivatives {
-  Eigen::Matrix<double, 2, 3> by_ray;
-  Eigen::Matrix2Xd by_intrinsics;
-};
-
-std::optional<PixelDerivatives> pixel_derivatives(const Camera& camera, const Eigen::Vector3d& ray) {
-  return with_model(camera.model, [&]<CameraModel M>() -> std::optional<PixelDerivatives> {
-    Eigen::Vector2d pixel;
-    Eigen::Matrix<double, 2, 3, Eigen::RowMajor> by_ray;
-    Eigen::Matrix<double, 2, kParameterCount<M>, Eigen::RowMajor> by_intrinsics;
-    if (!pixel_from_ray<M>(camera.parameters.data(), ray, pixel, by_ray, by_intrinsics)) return std::nullopt;
-    return PixelDerivatives{by_ray, by_intrinsics};
-  });
-}
-
-/// Writes the derivatives by a camera's parameters to where the covariance has them.
-void scatter(const Eigen::RowVectorXd& derivatives, const std::vector<std::string>& own,
-             const std::vector<std::string>& names, Eigen::RowVectorXd& all) {
-  for (std::size_t k = 0; k < own.size(); ++k) {
-    const auto found = std::ranges::find(names, own[k]);
-    if (found != names.end()) all[found - names.begin()] = derivatives[static_cast<Eigen::Index>(k)];
-  }
-}
-
-std::vector<std::string> intrinsic_names(const RigCamera& camera) {
-  std::vector<std::string> names;
-  for (const std::string_view name : parameter_names(camera.camera.model)) {
-    names.push_back(camera.name + "." + std::string(name));
-  }
-  return names;
-}
-
-std::vector<std::string> extrinsic_names(const RigCamera& camera) {
-  std::vector<std::string> names;
-  for (const char* part :
-       {"rotation_x", "rotation_y", "rotation_z", "translation_x", "translation_y", "translation_z"}) {
-    names.push_back(camera.name + ".camera_from_rig." + part);
-  }
-  return names;
-}
-
-}  // namespace
 
 BeamDepth beam_depth(const RigCamera& camera, const Covariance& parameters, const Line3& line,
                      const Eigen::Matrix4d& of_beam, const Eigen::MatrixXd& with_parameters, double depth_m) {
@@ -76,16 +30,16 @@ BeamDepth beam_depth(const RigCamera& camera, const Covariance& parameters, cons
   Eigen::Matrix<double, 3, 4> by_beam;
   by_beam.leftCols<2>() = rotation * across(line.direction);
   by_beam.rightCols<2>() = along * by_beam.leftCols<2>();
-  Eigen::Matrix<double, 3, 6> by_place;
-  by_place << -skew(in_camera - camera.camera_from_rig.translation), Eigen::Matrix3d::Identity();
+  const Eigen::Matrix<double, 3, 6> by_place =
+      by_motion_of_surroundings(in_camera - camera.camera_from_rig.translation);
   const auto depth_by = [&](const Eigen::Matrix3Xd& place) -> Eigen::RowVectorXd {
     return place.row(2) - direction.z() * solve * derivatives->by_ray * place;
   };
   const Eigen::RowVector4d depth_by_beam = depth_by(by_beam);
   Eigen::RowVectorXd depth_by_parameters = Eigen::RowVectorXd::Zero(static_cast<Eigen::Index>(parameters.names.size()));
-  scatter(-direction.z() * solve * derivatives->by_intrinsics, intrinsic_names(camera), parameters.names,
+  scatter(-direction.z() * solve * derivatives->by_intrinsics, places_of(intrinsic_names(camera), parameters),
           depth_by_parameters);
-  scatter(depth_by(by_place), extrinsic_names(camera), parameters.names, depth_by_parameters);
+  scatter(depth_by(by_place), places_of(extrinsic_names(camera), parameters), depth_by_parameters);
 
   double variance = (depth_by_beam * of_beam).dot(depth_by_beam);
   if (depth_by_parameters.size() > 0) {

@@ -6,22 +6,9 @@
 #include <cmath>
 #include <string>
 
-#include "raybundle/bundle/bundle.hpp"
-#include "synthetic_world.hpp"
+#include "true_state.hpp"
 
 namespace raybundle::testing {
-
-/// The true answer as a state in which everything is used.
-inline BundleState true_state(const SyntheticWorld& world) {
-  BundleState state{.cameras = world.cameras,
-                    .camera_from_rig = world.camera_from_rig,
-                    .poses = world.poses,
-                    .shapes = world.shapes,
-                    .pose_of_view = world.pose_of_view,
-                    .fates = {}};
-  mark_projectable(world.problem, state);
-  return state;
-}
 
 /// The state moved away from where it is: focal lengths by some percent, centres by some pixels, poses by some degrees
 /// and centimetres, each a little differently, boards made flat.

@@ -70,6 +70,10 @@ inline CalibrationFile full_calibration() {
   const std::string first = calibration.cameras[0].name;
   calibration.covariance.names = {first + ".fx", first + ".camera_from_rig.rotation_x", "board.bend_x"};
   calibration.covariance.matrix = Eigen::Matrix3d{{1.0 / 3.0, 1e-9, -0.1}, {1e-9, 2e-7, 1e-12}, {-0.1, 1e-12, 0.7}};
+  calibration.covariance_by_frame = {calibration.covariance.names, 1.7 * calibration.covariance.matrix};
+  CornerEvidence evidence{2, 1, {3, 0}, {}};
+  evidence.implied_motion.setConstant(6, calibration.cameras[0].camera.parameters.size(), 0.1 / 3.0);
+  calibration.cameras[0].evidence = evidence;
   calibration.laser = small_pattern();
   file.rms_px = 0.1 + 0.2;
   file.variance_factor = 1.0 / 7.0;

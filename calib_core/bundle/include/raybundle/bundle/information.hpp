@@ -2,6 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "raybundle/bundle/bundle.hpp"
 
 namespace raybundle {
@@ -18,6 +23,18 @@ struct ReducedInformation {
 
 ReducedInformation reduced_information(const CalibrationProblem& problem, const BundleState& state,
                                        const BundleOptions& options = {});
+
+/// What the corners of one frame add to ReducedInformation::information, and to the gradient of half of chi2. Both are
+/// after the elimination of the frame's board poses.
+struct FrameInformation {
+  int frame = 0;
+  Eigen::MatrixXd information;
+  Eigen::VectorXd gradient;
+};
+
+/// One entry for each frame in use, ascending. Dots and priors take no part.
+std::vector<FrameInformation> information_by_frame(const CalibrationProblem& problem, const BundleState& state,
+                                                   const BundleOptions& options = {});
 
 /// How well a beam is known, for residuals whitened by their stated sigmas.
 struct BeamCovariance {

@@ -1,0 +1,170 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/calibrate/cross_validation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "raybundle/bundle/parameters.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "subproblem.hpp"
+
+namespace raybundle {
+namespace {
+
+using Verdict = CrossValidation::Verdict;
+
+struct Halves {
+  CalibrationProblem odd, even;
+};
+
+// Every other of the frames in use, without views that were set aside and without dots.
+Halves halves_of(const CalibrationProblem& problem, const CalibrationResult& whole) {
+  std::set<int> frames;
+  for (std::size_t v = 0; v < problem.views.size(); ++v) {
+    if (whole.views[v].pose >= 0) frames.insert(problem.views[v].frame);
+  }
+  Halves halves{problem, problem};
+  for (CalibrationProblem* half : {&halves.odd, &halves.even}) {
+    half->views.clear();
+    half->laser.reset();
+  }
+  for (std::size_t v = 0; v < problem.views.size(); ++v) {
+    if (whole.views[v].pose < 0) continue;
+    TargetView view = problem.views[v];
+    view.dots.clear();
+    const auto rank = std::distance(frames.begin(), frames.find(view.frame));
+    (rank % 2 == 0 ? halves.odd : halves.even).views.push_back(view);
+  }
+  return halves;
+}
+
+struct Solved {
+  CalibrationResult odd, even;
+
+  double rms_px() const { return std::sqrt(0.5 * (odd.rms_px * odd.rms_px + even.rms_px * even.rms_px)); }
+};
+
+Solved solve(const Halves& halves, const CalibrateOptions& options) {
+  return {calibrate(halves.odd, options), calibrate(halves.even, options)};
+}
+
+std::optional<CalibrationComparison> compare_by_frames(const Solved& solved) {
+  const Calibration &odd = solved.odd.calibration, &even = solved.even.calibration;
+  if (!odd.covariance_by_frame || !even.covariance_by_frame) return std::nullopt;
+  return compare(odd, even, {.sigmas_from = SigmasFrom::kFrames});
+}
+
+// The same camera with another model, which brings its own start.
+CalibrationProblem with_model_of(const CalibrationProblem& problem, int camera, ModelId model) {
+  CalibrationProblem alone = select_cameras(problem, {camera}).problem;
+  alone.cameras[0].model = model;
+  alone.cameras[0].parameters.reset();
+  std::erase_if(alone.rules, [&](const ParameterRule& rule) { return !matches_any(rule, alone); });
+  return alone;
+}
+
+std::optional<ModelTrial> try_model(const Halves& halves, int camera, ModelId model, const CalibrateOptions& options) {
+  ModelTrial trial{halves.odd.cameras[camera].name, std::string(model_name(model))};
+  try {
+    const Solved solved =
+        solve({with_model_of(halves.odd, camera, model), with_model_of(halves.even, camera, model)}, options);
+    trial.rms_px = solved.rms_px();
+    trial.share_within = compare(solved.odd.calibration, solved.even.calibration).projections[0].share_within;
+    if (const auto by_frames = compare_by_frames(solved)) {
+      trial.share_within = std::max(trial.share_within, by_frames->projections[0].share_within);
+    }
+    trial.agrees = trial.share_within >= kLeastShareWithin;
+  } catch (const Error&) {
+    return std::nullopt;  // a model that cannot be solved for does not mend anything
+  }
+  return trial;
+}
+
+// Other models with at least as many parameters, fewest first.
+std::vector<ModelId> richer_models(ModelId model) {
+  std::vector<ModelId> richer;
+  for (const std::string_view name : model_names()) {
+    const ModelId other = *model_named(name);
+    if (other != model && parameter_names(other).size() >= parameter_names(model).size()) richer.push_back(other);
+  }
+  std::ranges::stable_sort(richer, {}, [](ModelId other) { return parameter_names(other).size(); });
+  return richer;
+}
+
+// Tries models for a camera until one makes its halves agree without fitting worse.
+void look_for_mending(const Halves& halves, int camera, const CalibrateOptions& options, CrossValidation& result) {
+  constexpr double kNoWorse = 1.02;  // of the residuals
+  const auto own = try_model(halves, camera, halves.odd.cameras[camera].model, options);
+  const std::string& name = halves.odd.cameras[camera].name;
+  const std::string model(model_name(halves.odd.cameras[camera].model));
+  for (const ModelId richer : richer_models(halves.odd.cameras[camera].model)) {
+    const auto trial = try_model(halves, camera, richer, options);
+    if (!trial) continue;
+    result.trials.push_back(*trial);
+    if (!trial->agrees || (own && trial->rms_px > kNoWorse * own->rms_px)) continue;
+    result.words +=
+        fmt::format("; {} mends camera {} (the halves then agree over {:.0f} % of the image, rms {:.3f} px)",
+                    trial->model, name, 100 * trial->share_within, trial->rms_px);
+    return;
+  }
+  result.words += fmt::format(
+      "; no other model of the list mends camera {}, so look at the board (flat, of the stated size?), at focus, and "
+      "at "
+      "a shutter that rolls",
+      name);
+}
+
+// What the worst camera's halves do.
+std::string share_text(const CalibrationComparison& comparison) {
+  const auto& worst = *std::ranges::min_element(comparison.projections, {}, &ProjectionDifference::share_within);
+  return fmt::format("camera {}'s are within {:g} summed sigmas over {:.0f} % of the image, {:.3f} px apart rms",
+                     worst.camera, kMostSummedSigmas, 100 * worst.share_within, worst.rms_px);
+}
+
+void judge(const Halves& halves, const CalibrateOptions& options, CrossValidation& result) {
+  if (result.by_corners->agrees()) {
+    result.words = "odd and even frames agree: " + share_text(*result.by_corners);
+    return;
+  }
+  if (result.by_frames && result.by_frames->agrees()) {
+    result.verdict = Verdict::kAgreeByFrames;
+    result.words = "odd and even frames differ by more than the sigmas of the corners explain (" +
+                   share_text(*result.by_corners) +
+                   "), but by no more than those by frames do: corners of a frame err together";
+    return;
+  }
+  result.verdict = Verdict::kModelError;
+  const CalibrationComparison& judged = result.by_frames ? *result.by_frames : *result.by_corners;
+  result.words = "model error: odd and even frames differ by more than noise explains: " + share_text(judged);
+  for (const ProjectionDifference& difference : judged.projections) {
+    if (difference.agrees()) continue;
+    const auto camera = std::ranges::find(halves.odd.cameras, difference.camera, &ProblemCamera::name);
+    look_for_mending(halves, static_cast<int>(camera - halves.odd.cameras.begin()), options, result);
+  }
+}
+
+}  // namespace
+
+CrossValidation cross_validate(const CalibrationProblem& problem, const CalibrationResult& whole,
+                               const CalibrateOptions& options) {
+  CrossValidation result;
+  const Halves halves = halves_of(problem, whole);
+  try {
+    const Solved solved = solve(halves, options);
+    result.by_corners = compare(solved.odd.calibration, solved.even.calibration);
+    result.by_frames = compare_by_frames(solved);
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::kIo) throw;
+    result.verdict = Verdict::kTooFewFrames;
+    result.words = std::string("the odd and the even frames could not be solved apart: ") + error.what();
+    return result;
+  }
+  judge(halves, options, result);
+  return result;
+}
+
+}  // namespace raybundle

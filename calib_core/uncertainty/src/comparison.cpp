@@ -1,0 +1,139 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/uncertainty/comparison.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "projection_difference.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "sensitivity.hpp"
+
+namespace raybundle {
+namespace {
+
+const Covariance& covariance_of(const Calibration& calibration, SigmasFrom from) {
+  if (from == SigmasFrom::kCorners) return calibration.covariance;
+  if (!calibration.covariance_by_frame) {
+    throw Error(
+        ErrorKind::kBadInput,
+        "a calibration has no covariance by frames, which takes at least ten; take the sigmas from the corners");
+  }
+  return *calibration.covariance_by_frame;
+}
+
+// Of parameters by name; zero for those that were held fixed.
+Eigen::MatrixXd part_of(const Covariance& covariance, const std::vector<std::string>& names) {
+  const std::vector<int> places = places_of(names, covariance);
+  const auto count = static_cast<Eigen::Index>(names.size());
+  Eigen::MatrixXd part = Eigen::MatrixXd::Zero(count, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    for (Eigen::Index j = 0; j < count; ++j) {
+      const int row = places[static_cast<std::size_t>(i)], column = places[static_cast<std::size_t>(j)];
+      if (row >= 0 && column >= 0) part(i, j) = covariance.matrix(row, column);
+    }
+  }
+  return part;
+}
+
+double ratio(double difference, double sigma) { return sigma > 0.0 ? std::abs(difference) / sigma : std::nan(""); }
+
+void compare_extrinsics(const RigCamera& a, const Covariance& of_a, const RigCamera& b, const Covariance& of_b,
+                        std::vector<NormalizedDifference>& differences) {
+  const Eigen::Matrix<double, 6, 1> motion = motion_between(a.camera_from_rig, b.camera_from_rig);
+  const std::vector<std::string> names = extrinsic_names(a);
+  const Eigen::MatrixXd covariance = part_of(of_a, names) + part_of(of_b, names);
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    const double sigma = std::sqrt(covariance(i, i));
+    differences.push_back({names[static_cast<std::size_t>(i)], motion[i], sigma, ratio(motion[i], sigma)});
+  }
+}
+
+// Both beams' motions are told in a's coordinates: b's point lies elsewhere along the line, where the slopes have moved
+// it by their lever.
+NormalizedDifference beam_difference(const LaserBeam& a, const LaserBeam& b) {
+  const Eigen::Vector4d motion = motion_between(a.line, b.line);
+  Eigen::Matrix4d in_a = Eigen::Matrix4d::Identity();
+  in_a.topRightCorner<2, 2>().diagonal().setConstant(a.line.direction.dot(a.line.point - b.line.point));
+  const Eigen::Matrix4d covariance = a.covariance + in_a * b.covariance * in_a.transpose();
+  NormalizedDifference result{fmt::format("{},{}", a.row, a.column), motion.head<2>().norm(),
+                              std::sqrt(covariance.topLeftCorner<2, 2>().trace()), std::nan("")};
+  const Eigen::LDLT<Eigen::Matrix4d> solver(covariance);
+  if (solver.isPositive() && solver.vectorD().minCoeff() > 0.0) {
+    result.sigmas = std::sqrt(motion.dot(solver.solve(motion)) / 4.0);
+  }
+  return result;
+}
+
+void compare_beams(const LaserPattern& a, const LaserPattern& b, CalibrationComparison& comparison) {
+  if (a.grid.rows != b.grid.rows || a.grid.columns != b.grid.columns) {
+    comparison.remarks.push_back("the grids of beams differ in size, so that the beams were not compared");
+    return;
+  }
+  for (const LaserBeam& beam : a.beams) {
+    const auto same = std::ranges::find_if(
+        b.beams, [&](const LaserBeam& other) { return other.row == beam.row && other.column == beam.column; });
+    if (same != b.beams.end() && beam.line.direction.dot(same->line.direction) > 0.1) {
+      comparison.beams.push_back(beam_difference(beam, *same));
+    }
+  }
+}
+
+void refuse_other_sizes(const RigCamera& a, const RigCamera& b) {
+  if (a.camera.size == b.camera.size) return;
+  throw Error(
+      ErrorKind::kBadInput,
+      fmt::format("the images of camera {} are {}x{} px in one calibration and {}x{} in the other; compare "
+                  "calibrations of the same images",
+                  a.name, a.camera.size.width, a.camera.size.height, b.camera.size.width, b.camera.size.height));
+}
+
+}  // namespace
+
+double share_within(const ProjectionDifference& difference, double sigmas) {
+  int cells = 0, within = 0;
+  for (Eigen::Index i = 0; i < difference.u_px.size(); ++i) {
+    const double distance = std::hypot(difference.u_px.data()[i], difference.v_px.data()[i]);
+    if (!std::isfinite(distance)) continue;
+    ++cells;
+    within += distance <= sigmas * difference.sigma_px.data()[i];
+  }
+  return cells > 0 ? static_cast<double>(within) / cells : 1.0;
+}
+
+bool CalibrationComparison::agrees() const { return std::ranges::all_of(projections, &ProjectionDifference::agrees); }
+
+CalibrationComparison compare(const Calibration& a, const Calibration& b, const ComparisonOptions& options) {
+  const Covariance& of_a = covariance_of(a, options.sigmas_from);
+  const Covariance& of_b = covariance_of(b, options.sigmas_from);
+  CalibrationComparison comparison;
+  comparison.sigmas_from = options.sigmas_from;
+  const bool same_rig = a.cameras[0].name == b.cameras[0].name;
+  if (!same_rig) {
+    comparison.remarks.push_back(fmt::format(
+        "the first cameras, whose frames are the rig frames, are {} and {}: extrinsics and beams were not compared",
+        a.cameras[0].name, b.cameras[0].name));
+  }
+  for (const RigCamera& camera : a.cameras) {
+    const auto same = std::ranges::find(b.cameras, camera.name, &RigCamera::name);
+    if (same == b.cameras.end()) {
+      comparison.remarks.push_back("camera " + camera.name + " is in the first calibration only");
+      continue;
+    }
+    refuse_other_sizes(camera, *same);
+    for (const double range_m : options.ranges_m) {
+      comparison.projections.push_back(projection_difference(camera, of_a, *same, of_b, range_m, options.columns));
+    }
+    if (same_rig && &camera != &a.cameras[0]) compare_extrinsics(camera, of_a, *same, of_b, comparison.extrinsics);
+  }
+  if (comparison.projections.empty()) {
+    throw Error(ErrorKind::kBadInput, "the calibrations have no camera in common; cameras are matched by name");
+  }
+  if (same_rig && a.laser && b.laser) compare_beams(*a.laser, *b.laser, comparison);
+  return comparison;
+}
+
+}  // namespace raybundle

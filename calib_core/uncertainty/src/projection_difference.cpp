@@ -1,0 +1,148 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "projection_difference.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "motion_fit.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/uncertainty/image_cells.hpp"
+
+namespace raybundle {
+namespace {
+
+constexpr int kFewestCells = 6;       // that a motion is fitted to
+constexpr double kLeastWeight = 0.1;  // of the largest sigma: no cell counts more than a hundred times another
+
+// A cell that both calibrations saw.
+struct Cell {
+  Eigen::Index row = 0, column = 0;
+  Eigen::Vector2d pixel;     // of a
+  Eigen::Vector3d ray_in_a;  // unit
+  double weight = 1.0;
+};
+
+std::vector<Cell> common_cells(const RigCamera& a, const RigCamera& b, int rows, int columns) {
+  std::vector<Cell> cells;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const Eigen::Vector2d pixel = middle_of_cell(a.camera.size, rows, columns, row, column);
+      if (!a.evidence->covers(a.camera.size, pixel) || !b.evidence->covers(b.camera.size, pixel)) continue;
+      const std::optional<Eigen::Vector3d> ray = ray_from_pixel(a.camera, pixel);
+      if (ray && ray_from_pixel(b.camera, pixel)) cells.push_back({row, column, pixel, *ray, 1.0});
+    }
+  }
+  return cells;
+}
+
+Eigen::Vector3d moved(const Rigid3& b_from_a, const Eigen::Vector3d& ray, double range_m) {
+  return b_from_a.rotation * ray + b_from_a.translation / range_m;
+}
+
+// Gauss-Newton from standing still; lenses of one camera differ by little.
+Rigid3 fitted_motion(const Camera& b, const std::vector<Cell>& cells, double range_m) {
+  constexpr int kIterations = 10;
+  Rigid3 b_from_a;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    MotionFit fit(1);
+    for (const Cell& cell : cells) {
+      const Eigen::Vector3d ray = moved(b_from_a, cell.ray_in_a, range_m);
+      const std::optional<Eigen::Vector2d> pixel = pixel_from_ray(b, ray);
+      const std::optional<PixelDerivatives> derivatives = pixel_derivatives(b, ray);
+      if (pixel && derivatives) fit.add(by_motion_at(*derivatives, ray, range_m), *pixel - cell.pixel, cell.weight);
+    }
+    const Eigen::Matrix<double, 6, 1> step = fit.undoing();
+    b_from_a = perturbed(Rigid3{}, step) * b_from_a;
+    if (step.norm() < 1e-14) break;
+  }
+  return b_from_a;
+}
+
+// Uncertainty of one calibration's part in the difference: what its parameters do after the fitted motion followed.
+ProjectionUncertainty after_fit(const RigCamera& camera, const Covariance& covariance, const std::vector<Cell>& cells,
+                                double range_m) {
+  ProjectionUncertainty uncertainty = projection_uncertainty(camera, covariance);
+  MotionFit fit(camera.camera.parameters.size());
+  for (const Cell& cell : cells) {
+    const std::optional<Eigen::Vector3d> ray = ray_from_pixel(camera.camera, cell.pixel);
+    const std::optional<PixelDerivatives> derivatives = pixel_derivatives(camera.camera, *ray);
+    if (derivatives) fit.add(by_motion_at(*derivatives, *ray, range_m), derivatives->by_intrinsics, cell.weight);
+  }
+  uncertainty.implied_motion = fit.undoing();
+  return uncertainty;
+}
+
+double sigma_at(const ProjectionUncertainty& uncertainty, const Eigen::Vector2d& pixel, double range_m) {
+  const std::optional<Eigen::Matrix2d> covariance = projection_covariance(uncertainty, pixel, range_m);
+  return covariance ? largest_sigma(*covariance) : std::nan("");
+}
+
+// Well-known cells decide the fit.
+void weigh(const ProjectionUncertainty& a, const ProjectionUncertainty& b, double range_m, std::vector<Cell>& cells) {
+  std::vector<double> sigmas;
+  double largest = 0.0;
+  for (const Cell& cell : cells) {
+    const double sigma = sigma_at(a, cell.pixel, range_m) + sigma_at(b, cell.pixel, range_m);
+    sigmas.push_back(sigma);
+    if (std::isfinite(sigma)) largest = std::max(largest, sigma);
+  }
+  for (std::size_t i = 0; i < cells.size() && largest > 0.0; ++i) {
+    const double sigma = std::isfinite(sigmas[i]) ? std::max(sigmas[i], kLeastWeight * largest) : largest;
+    cells[i].weight = largest * largest / (sigma * sigma);
+  }
+}
+
+void summarize(ProjectionDifference& difference) {
+  int cells = 0;
+  double squares = 0.0;
+  for (Eigen::Index i = 0; i < difference.u_px.size(); ++i) {
+    const double distance = std::hypot(difference.u_px.data()[i], difference.v_px.data()[i]);
+    if (!std::isfinite(distance)) continue;
+    ++cells;
+    squares += distance * distance;
+    difference.largest_px = std::max(difference.largest_px, distance);
+  }
+  difference.covered_share = static_cast<double>(cells) / static_cast<double>(difference.u_px.size());
+  if (cells == 0) return;
+  difference.rms_px = std::sqrt(squares / cells);
+  difference.share_within = share_within(difference, kMostSummedSigmas);
+}
+
+}  // namespace
+
+ProjectionDifference projection_difference(const RigCamera& a, const Covariance& covariance_a, const RigCamera& b,
+                                           const Covariance& covariance_b, double range_m, int columns) {
+  const ProjectionUncertainty alone_a = projection_uncertainty(a, covariance_a);
+  const ProjectionUncertainty alone_b = projection_uncertainty(b, covariance_b);
+  const int rows = rows_of_square_cells(a.camera.size, columns);
+  std::vector<Cell> cells = common_cells(a, b, rows, columns);
+  if (static_cast<int>(cells.size()) < kFewestCells) {
+    throw Error(ErrorKind::kBadInput, "the two calibrations of camera " + a.name +
+                                          " saw corners in common in hardly any part of the image; there is nothing to "
+                                          "compare");
+  }
+  weigh(alone_a, alone_b, range_m, cells);
+
+  ProjectionDifference difference;
+  difference.camera = a.name;
+  difference.size = a.camera.size;
+  difference.range_m = range_m;
+  difference.u_px = Eigen::MatrixXd::Constant(rows, columns, std::nan(""));
+  difference.v_px = difference.sigma_px = difference.u_px;
+  difference.b_from_a = fitted_motion(b.camera, cells, range_m);
+  const ProjectionUncertainty fitted_a = after_fit(a, covariance_a, cells, range_m);
+  const ProjectionUncertainty fitted_b = after_fit(b, covariance_b, cells, range_m);
+  for (const Cell& cell : cells) {
+    const auto pixel = pixel_from_ray(b.camera, moved(difference.b_from_a, cell.ray_in_a, range_m));
+    if (!pixel) continue;
+    difference.u_px(cell.row, cell.column) = pixel->x() - cell.pixel.x();
+    difference.v_px(cell.row, cell.column) = pixel->y() - cell.pixel.y();
+    difference.sigma_px(cell.row, cell.column) =
+        sigma_at(fitted_a, cell.pixel, range_m) + sigma_at(fitted_b, cell.pixel, range_m);
+  }
+  summarize(difference);
+  return difference;
+}
+
+}  // namespace raybundle

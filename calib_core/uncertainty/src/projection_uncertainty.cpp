@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/uncertainty/projection_uncertainty.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "motion_fit.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/uncertainty/image_cells.hpp"
+
+namespace raybundle {
+
+ProjectionUncertainty projection_uncertainty(const RigCamera& camera, const Covariance& covariance) {
+  if (!camera.evidence) {
+    throw Error(ErrorKind::kBadInput,
+                "the calibration does not tell where the corners of camera " + camera.name +
+                    " were, so that its uncertainty cannot be told either; calibrate again with this version");
+  }
+  const std::vector<int> places = places_of(intrinsic_names(camera), covariance);
+  const auto count = static_cast<Eigen::Index>(places.size());
+  ProjectionUncertainty result{camera.camera, Eigen::MatrixXd::Zero(count, count), camera.evidence->implied_motion};
+  for (Eigen::Index i = 0; i < count; ++i) {
+    for (Eigen::Index j = 0; j < count; ++j) {
+      const int row = places[static_cast<std::size_t>(i)], column = places[static_cast<std::size_t>(j)];
+      if (row >= 0 && column >= 0) result.covariance(i, j) = covariance.matrix(row, column);
+    }
+  }
+  return result;
+}
+
+std::optional<Eigen::Matrix2d> projection_covariance(const ProjectionUncertainty& uncertainty,
+                                                     const Eigen::Vector2d& pixel, double range_m) {
+  const std::optional<Eigen::Vector3d> ray = ray_from_pixel(uncertainty.camera, pixel);
+  if (!ray) return std::nullopt;
+  const std::optional<PixelDerivatives> derivatives = pixel_derivatives(uncertainty.camera, *ray);
+  if (!derivatives) return std::nullopt;
+  const Eigen::Matrix2Xd by_parameters =
+      derivatives->by_intrinsics + by_motion_at(*derivatives, *ray, range_m) * uncertainty.implied_motion;
+  return by_parameters * uncertainty.covariance * by_parameters.transpose();
+}
+
+double largest_sigma(const Eigen::Matrix2d& covariance) {
+  const double mean = 0.5 * covariance.trace();
+  const double spread = std::hypot(0.5 * (covariance(0, 0) - covariance(1, 1)), covariance(0, 1));
+  return std::sqrt(std::max(0.0, mean + spread));
+}
+
+Eigen::Vector2d UncertaintyMap::pixel(Eigen::Index row, Eigen::Index column) const {
+  return middle_of_cell(size, static_cast<int>(sigma_px.rows()), static_cast<int>(sigma_px.cols()),
+                        static_cast<int>(row), static_cast<int>(column));
+}
+
+UncertaintyMap uncertainty_map(const ProjectionUncertainty& uncertainty, double range_m, int columns) {
+  const ImageSize size = uncertainty.camera.size;
+  UncertaintyMap map{size, range_m, {}};
+  map.sigma_px.resize(rows_of_square_cells(size, columns), columns);
+  for (Eigen::Index row = 0; row < map.sigma_px.rows(); ++row) {
+    for (Eigen::Index column = 0; column < columns; ++column) {
+      const auto covariance = projection_covariance(uncertainty, map.pixel(row, column), range_m);
+      map.sigma_px(row, column) = covariance ? largest_sigma(*covariance) : std::nan("");
+    }
+  }
+  return map;
+}
+
+}  // namespace raybundle
