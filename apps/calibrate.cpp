@@ -34,6 +34,7 @@ void declare(CLI::App& verb, CalibrateFlags& flags) {
       ->type_name("NAME=MEAN:SIGMA")
       ->allow_extra_args(false);
   verb.add_flag("!--no-predicted-corners", job.predict_corners, "leave out corners that only a first solve predicts");
+  add_gate_flags(verb, job.gates);
   verb.add_flag("--json", job.json, "print report.json instead of the summary");
   CalibrateOptions::for_each_option(
       job.options, [&]<typename T>(const char* name, const char* unit, const char* help, T& value) {
@@ -57,7 +58,8 @@ void add_calibrate_verb(CLI::App& app) {
       "Example (the stereo pairs of Debian's package opencv-doc):\n"
       "  raybundle calibrate --target chessboard:9x6:25mm --camera left='left*.jpg' --camera right='right*.jpg' "
       "--model brown_conrady -o out\n"
-      "The same from a file: raybundle calibrate dataset.toml -o out");
+      "The same from a file: raybundle calibrate dataset.toml -o out\n"
+      "With a demand:        ... --require 'depth 20 mm at 1 m' --require 'projection 0.2 px over 60 deg'");
   verb->callback([flags] {
     CalibrateJob& job = flags->job;
     add_rules(ParameterRule::Kind::kFixed, flags->fix, job.rules);

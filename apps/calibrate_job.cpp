@@ -9,8 +9,10 @@
 
 #include "calibration_summary.hpp"
 #include "data_warnings.hpp"
+#include "judgement.hpp"
 #include "output_folder.hpp"
 #include "predicted_corners.hpp"
+#include "previews.hpp"
 #include "raybundle/calibrate/calibrate.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
@@ -18,6 +20,7 @@
 #include "raybundle/io/report_file.hpp"
 #include "report_page.hpp"
 #include "terminal.hpp"
+#include "verbs.hpp"
 
 namespace raybundle::apps {
 namespace {
@@ -151,17 +154,27 @@ std::string write_all(const CalibrateJob& job, const CalibrationProblem& problem
   return report;
 }
 
+std::vector<std::string> camera_names(const auto& cameras) {
+  std::vector<std::string> names;
+  for (const auto& camera : cameras) names.push_back(camera.name);
+  return names;
+}
+
 }  // namespace
 
 void run_calibration(const CalibrateJob& job) {
   Dataset dataset = dataset_of(job.input, true);
   const CalibrateOptions options = merged_options(dataset.options, job);
   require_writable(job.output);
+  const std::vector<Requirement> requirements = requirements_of(job.gates);
+  if (!dataset.cameras.empty())
+    check_requirements(requirements, camera_names(dataset.cameras), dataset.laser.has_value());
 
   DetectedImages images = observe(job.input, dataset);
   require_models(images);
   require_views(images);
   CalibrationProblem& problem = images.observations.problem;
+  check_requirements(requirements, camera_names(problem.cameras), problem.laser.has_value());
   problem.rules = dataset.rules;
   problem.rules.insert(problem.rules.end(), job.rules.begin(), job.rules.end());
   require_values(problem.rules, job.start);
@@ -179,14 +192,22 @@ void run_calibration(const CalibrateJob& job) {
   result.stages = stages_of(images.seconds, first, result, now() - refine_begin, refined);
   for (const std::string& warning : data_warnings(problem, result)) result.warnings.push_back(warning);
 
-  const std::string report = write_all(job, problem, result, {images.unused, provenance_of(job, options, images)});
+  const double judge_begin = now();
+  const Judgements judgements = judge(problem, result, requirements);
+  ReportExtra extra{images.unused, provenance_of(job, options, images), sections_of(judgements, result)};
+  extra.sections.push_back(pictures_section(problem, result));
+  result.stages.push_back({"judge", now() - judge_begin});
+  const std::string report = write_all(job, problem, result, extra);
+  const bool failed = judgements.verdict.grade == Grade::kFail;
   if (job.json) {
     fmt::print("{}\n", report);
+    if (failed) throw GateFailed{};
     return;
   }
-  fmt::print("{}", summary_text(problem, result, images.unused));
+  fmt::print("{}{}", summary_text(problem, result, images.unused), text_of(judgements));
   fmt::print("\nwrote {0}/calibration.json, {0}/report.json\nlook  {0}/report.html\n", job.output);
   fmt::print("next  {}\n", job.next.empty() ? next_command(job, result) : job.next);
+  if (failed) throw GateFailed{};
 }
 
 }  // namespace raybundle::apps

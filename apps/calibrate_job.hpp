@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "gates.hpp"
 #include "input_flags.hpp"
 #include "raybundle/scene/result.hpp"
 
@@ -18,6 +19,7 @@ struct CalibrateJob {
   std::vector<ParameterRule> rules;
   std::string start;  ///< a calibration.json whose values the cameras of the same names start from
   bool predict_corners = true;
+  GateFlags gates;
   std::string output = "calibration";  ///< folder
   bool json = false;
   std::string command;  ///< for the provenance
@@ -25,6 +27,8 @@ struct CalibrateJob {
 };
 
 /// From images or observations to calibration.json, report.json and report.html, with a summary on stdout.
+///
+/// @throws GateFailed when everything has been written, but a requirement is not met
 void run_calibration(const CalibrateJob& job);
 
 }  // namespace raybundle::apps

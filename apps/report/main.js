@@ -4,6 +4,7 @@
 
 import "./notice.js";
 import { count, counted, el, px, section } from "./dom.js";
+import { comparisonSection } from "./comparison.js";
 import { histogramFigure, radialFigure, viewBarsFigure } from "./graphs.js";
 import { coverageFigure, meanResidualFigure, residualFigure } from "./image_figures.js";
 import { cameraModel } from "./model.js";
@@ -49,7 +50,7 @@ function drawPage(report) {
   };
   const warnings = warningsSection(report);
   const sections = [verdictSection(report), warnings, nextViewsSection(report, cameras), camerasSection(cameras),
-    ...cameras.map((camera) => cameraSection(camera, report)), rigSection(report, cameras, chooseFrame), boardsSection(report),
+    ...cameras.map((camera) => cameraSection(camera, report)), rigSection(report, cameras, chooseFrame), boardsSection(report), comparisonSection(report, cameras),
     setAsideSection(report), runSection(report)].filter(Boolean);
   const version = report.provenance.versions.find(({ name }) => name === "raybundle");
   document.title = `Calibration of ${names}`;

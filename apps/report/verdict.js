@@ -30,7 +30,7 @@ export function headline(report) {
 
 function judgementCard(judgement) {
   return el("li", { class: "card " + judgement.grade },
-    el("p", {}, gradeTag(judgement.grade), " ", el("strong", {}, judgement.require)),
+    el("p", {}, gradeTag(judgement.grade), " ", el("strong", {}, judgement.require), ", ", judgement.subject),
     el("p", {}, sentence(judgement.reason)),
     judgement.advice ? el("p", { class: "advice" }, "→ ", sentence(judgement.advice)) : null);
 }
@@ -47,10 +47,9 @@ function findingsList(findings) {
 export function verdictSection(report) {
   const verdict = report.verdict;
   if (!verdict) return null;
-  const node = section("verdict", "Verdict",
-    verdict.judgements.length ? el("ul", { class: "cards" }, verdict.judgements.map(judgementCard)) : null,
+  const worstFirst = ["fail", "marginal", "pass"].flatMap((grade) => verdict.judgements.filter((judgement) => judgement.grade === grade));
+  return section("verdict", "Verdict", worstFirst.length ? el("ul", { class: "cards" }, worstFirst.map(judgementCard)) : null,
     el("h3", {}, "What the data are good for"), ...findingsList(verdict.findings));
-  return node;
 }
 
 /** The outlines of the suggested boards in the image of one camera, over the corners that there are. */

@@ -1,0 +1,226 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "previews.hpp"
+
+#include <openssl/evp.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "image_files.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/stereo/rectification.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kWidth_px = 560;  // of a picture
+constexpr int kMostRectified_px = 900;
+constexpr int kWorstViews = 3;        // of each camera
+constexpr double kWidestHalf = 1.05;  // [rad] 60°: beyond, a plane stretches more than it shows
+
+std::string base64(const std::vector<uchar>& bytes) {
+  std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');
+  const int size =
+      EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), bytes.data(), static_cast<int>(bytes.size()));
+  text.resize(static_cast<std::size_t>(size));
+  return text;
+}
+
+Json picture(const char* kind, const std::string& camera, const std::string& frame, const cv::Mat& image) {
+  std::vector<uchar> bytes;
+  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, 72});
+  return {{"kind", kind},        {"camera", camera},     {"frame", frame},
+          {"width", image.cols}, {"height", image.rows}, {"jpeg", base64(bytes)}};
+}
+
+// The image of a view; empty when there is none that can be read again.
+cv::Mat image_of(const TargetView& view, const ProblemCamera& camera) {
+  std::error_code ignored;
+  std::string reason;
+  if (view.image.empty() || !std::filesystem::is_regular_file(view.image, ignored)) return {};
+  const cv::Mat image = read_gray(view.image, reason);
+  return image.cols == camera.size.width && image.rows == camera.size.height ? image : cv::Mat();
+}
+
+cv::Mat resampled(const cv::Mat& image, int width, int height,
+                  const std::function<std::optional<Eigen::Vector2d>(int, int)>& source) {
+  cv::Mat u(height, width, CV_32F), v(height, width, CV_32F), result;
+  for (int row = 0; row < height; ++row) {
+    for (int column = 0; column < width; ++column) {
+      const Eigen::Vector2d from = source(column, row).value_or(Eigen::Vector2d(-9, -9));
+      u.at<float>(row, column) = static_cast<float>(from.x());
+      v.at<float>(row, column) = static_cast<float>(from.y());
+    }
+  }
+  cv::remap(image, result, u, v, cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar(40));
+  return result;
+}
+
+// An ideal camera on the same axis, whose image shows the used field or what of it a plane can show.
+struct Plane {
+  double focal_px;
+  int width, height;
+
+  Plane(const Camera& camera, double seen_to_rad) : width(kWidth_px) {
+    const double half = std::tan(std::clamp(seen_to_rad, 0.1, kWidestHalf));
+    const double aspect = static_cast<double>(camera.size.height) / camera.size.width;
+    height = static_cast<int>(std::lround(kWidth_px * aspect));
+    focal_px = 0.5 * std::hypot(width, height) / half;
+  }
+  Eigen::Vector3d ray(double u, double v) const {
+    return {(u - 0.5 * (width - 1)) / focal_px, (v - 0.5 * (height - 1)) / focal_px, 1.0};
+  }
+  std::optional<Eigen::Vector2d> pixel(const Eigen::Vector3d& ray) const {
+    if (ray.z() < 0.1) return std::nullopt;
+    return Eigen::Vector2d(focal_px * ray.x() / ray.z() + 0.5 * (width - 1),
+                           focal_px * ray.y() / ray.z() + 0.5 * (height - 1));
+  }
+};
+
+double angle_of(const Camera& camera, const Observation& observation) {
+  const auto ray = ray_from_pixel(camera, observation.pixel);
+  return ray ? std::atan2(ray->head<2>().norm(), ray->z()) : 0.0;
+}
+
+// From the first to the last used corner of each row of the board: what lies between has to lie on it.
+Json straight_lines(const Camera& camera, const Plane& plane, const Target& target, const TargetView& view,
+                    const ViewResult& result) {
+  struct Row {
+    double least = 1e9, most = -1e9;
+    Eigen::Vector2d first, last;
+  };
+  std::map<long, Row> rows;  // by y on the board, in micrometres
+  for (std::size_t i = 0; i < view.observations.size(); ++i) {
+    if (result.fates[i] != ObservationFate::kUsed) continue;
+    const auto ray = ray_from_pixel(camera, view.observations[i].pixel);
+    const auto pixel = ray ? plane.pixel(*ray) : std::nullopt;
+    if (!pixel) continue;
+    const Eigen::Vector3d& x = target.find(view.observations[i].point_id)->x_in_target;
+    Row& row = rows[std::lround(1e6 * x.y())];
+    if (x.x() < row.least) row.first = *pixel, row.least = x.x();
+    if (x.x() > row.most) row.last = *pixel, row.most = x.x();
+  }
+  Json lines = Json::array();
+  for (const auto& [y, row] : rows) {
+    if (row.most > row.least) lines.push_back({row.first.x(), row.first.y(), row.last.x(), row.last.y()});
+  }
+  return lines;
+}
+
+void add_undistorted(const CalibrationProblem& problem, const CalibrationResult& result, const RigCamera& camera,
+                     Json& pictures) {
+  int best = -1;
+  double most = 0.0, seen_to = 0.0;
+  for (std::size_t v = 0; v < problem.views.size(); ++v) {
+    const TargetView& view = problem.views[v];
+    if (problem.cameras[view.camera].name != camera.name || result.views[v].pose < 0) continue;
+    double sum = 0.0;  // many corners far off the axis show the most
+    for (std::size_t i = 0; i < view.observations.size(); ++i) {
+      if (result.views[v].fates[i] != ObservationFate::kUsed) continue;
+      const double angle = angle_of(camera.camera, view.observations[i]);
+      if (angle < kWidestHalf) sum += angle;
+      seen_to = std::max(seen_to, angle);
+    }
+    if (sum > most) best = static_cast<int>(v), most = sum;
+  }
+  if (best < 0) return;
+  const TargetView& view = problem.views[best];
+  const cv::Mat image = image_of(view, problem.cameras[view.camera]);
+  if (image.empty()) return;
+  const Plane plane(camera.camera, seen_to);
+  const cv::Mat flat = resampled(image, plane.width, plane.height,
+                                 [&](int u, int v) { return pixel_from_ray(camera.camera, plane.ray(u, v)); });
+  cv::Mat small;
+  cv::resize(image, small, cv::Size(plane.width, plane.height), 0, 0, cv::INTER_AREA);
+  const std::string& frame = problem.frames[view.frame];
+  pictures.push_back(picture("distorted", camera.name, frame, small));
+  pictures.push_back(picture("undistorted", camera.name, frame, flat));
+  pictures.back()["lines"] =
+      straight_lines(camera.camera, plane, problem.targets[view.target], view, result.views[best]);
+}
+
+void add_worst_views(const CalibrationProblem& problem, const CalibrationResult& result, const std::string& camera,
+                     Json& pictures) {
+  std::vector<int> views;
+  for (std::size_t v = 0; v < problem.views.size(); ++v) {
+    if (problem.cameras[problem.views[v].camera].name == camera) views.push_back(static_cast<int>(v));
+  }
+  const auto badness = [&](int v) { return result.views[v].pose < 0 ? 1e9 : result.views[v].rms_px; };
+  std::ranges::stable_sort(views, std::ranges::greater{}, badness);
+  int count = 0;
+  for (const int v : views) {
+    if (count == kWorstViews) break;
+    const TargetView& view = problem.views[v];
+    const cv::Mat image = image_of(view, problem.cameras[view.camera]);
+    if (image.empty()) continue;
+    const int width = std::min(kWidth_px, image.cols), height = std::max(1, width * image.rows / image.cols);
+    cv::Mat small;
+    cv::resize(image, small, cv::Size(width, height), 0, 0, cv::INTER_AREA);
+    pictures.push_back(picture("view", camera, problem.frames[view.frame], small));
+    ++count;
+  }
+}
+
+// Both images of the frame that shows the board best to both, side by side.
+void add_rectified(const CalibrationProblem& problem, const RigCamera& left, const RigCamera& right, Json& pictures) {
+  std::map<std::pair<int, int>, const TargetView*> seen_by_left;
+  const TargetView *best_left = nullptr, *best_right = nullptr;
+  for (const TargetView& view : problem.views) {
+    if (problem.cameras[view.camera].name == left.name) seen_by_left[{view.frame, view.target}] = &view;
+  }
+  std::size_t most = 0;
+  for (const TargetView& view : problem.views) {
+    const auto other = seen_by_left.find({view.frame, view.target});
+    if (problem.cameras[view.camera].name != right.name || other == seen_by_left.end()) continue;
+    const std::size_t both = std::min(view.observations.size(), other->second->observations.size());
+    if (both > most) best_left = other->second, best_right = &view, most = both;
+  }
+  if (!best_left) return;
+  const cv::Mat image_left = image_of(*best_left, problem.cameras[best_left->camera]);
+  const cv::Mat image_right = image_of(*best_right, problem.cameras[best_right->camera]);
+  if (image_left.empty() || image_right.empty()) return;
+  const Rectification pair = rectify(left, right, {.width_px = kMostRectified_px / 2});
+  const auto half = [&](const RigCamera& camera, const Eigen::Quaterniond& rectified_from_camera,
+                        const cv::Mat& image) {
+    return resampled(image, pair.camera.size.width, pair.camera.size.height, [&](int u, int v) {
+      const auto ray = pair.camera.ray_from_pixel({u, v});
+      return ray ? pixel_from_ray(camera.camera, rectified_from_camera.conjugate() * *ray) : std::nullopt;
+    });
+  };
+  cv::Mat both;
+  cv::hconcat(half(left, pair.rectified_from_left, image_left), half(right, pair.rectified_from_right, image_right),
+              both);
+  pictures.push_back(picture("rectified", left.name + " and " + right.name, problem.frames[best_left->frame], both));
+  Json lines = Json::array();
+  for (int k = 1; k < 10; ++k) lines.push_back({0, k * both.rows / 10, both.cols - 1, k * both.rows / 10});
+  pictures.back()["lines"] = lines;
+}
+
+}  // namespace
+
+ReportSection pictures_section(const CalibrationProblem& problem, const CalibrationResult& result) {
+  Json pictures = Json::array();
+  const std::vector<RigCamera>& cameras = result.calibration.cameras;
+  for (const RigCamera& camera : cameras) {
+    add_worst_views(problem, result, camera.name, pictures);
+    add_undistorted(problem, result, camera, pictures);
+  }
+  for (std::size_t c = 1; c < cameras.size(); ++c) {
+    try {
+      add_rectified(problem, cameras[0], cameras[c], pictures);
+    } catch (const Error&) {  // cameras that look apart, or stand behind each other, make no pair
+    }
+  }
+  return {"pictures", pictures.dump()};
+}
+
+}  // namespace raybundle::apps

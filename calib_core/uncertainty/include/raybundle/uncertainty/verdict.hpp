@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "raybundle/scene/problem.hpp"
+#include "raybundle/scene/result.hpp"
+#include "raybundle/uncertainty/requirements.hpp"
+
+namespace raybundle {
+
+/// Marginal: the requirement is met, but by less than a fifth, or something speaks against relying on it.
+enum class Grade { kPass, kMarginal, kFail };
+
+/// "pass", "marginal", "fail"
+const char* grade_name(Grade grade);
+
+/// What became of a requirement for one camera, or for two together.
+struct Judgement {
+  Requirement requirement;
+  std::string subject;
+  Grade grade = Grade::kFail;
+  double value = 0.0;  ///< in the quantity's unit; NaN: it cannot be told
+  std::string reason;  ///< what was found, a clause
+  std::string advice;  ///< what to do; empty when nothing has to be done
+};
+
+/// Something that is good to know of the data, whatever is required.
+struct Finding {
+  std::string subject;  ///< camera or board
+  std::string topic;    ///< image, angle, tilt, distance, parameters, drift, shape
+  bool good = true;
+  std::string text;    ///< one clause, with figures
+  std::string advice;  ///< empty when it is good
+};
+
+struct Verdict {
+  std::optional<Grade> grade;  ///< the worst of the judgements; nothing when nothing was required
+  std::vector<Judgement> judgements;
+  std::vector<Finding> findings;
+};
+
+/// Holds a result against requirements, and says what its data lack. What cannot be judged fails. Where the calibration
+/// has a covariance by frames, the worse of both counts.
+Verdict verdict(const CalibrationProblem& problem, const CalibrationResult& result,
+                const std::vector<Requirement>& requirements);
+
+}  // namespace raybundle

@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/uncertainty/coverage.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "raybundle/geometry/quantile.hpp"
+#include "raybundle/uncertainty/image_cells.hpp"
+
+namespace raybundle {
+namespace {
+
+constexpr double kCoveredShare = 0.25;  // of a ninth of the image, below which it counts as empty
+
+double angle_off_axis(const Eigen::Vector3d& ray) { return std::atan2(ray.head<2>().norm(), ray.z()); }
+
+double angle_off_axis(const Camera& camera, const Eigen::Vector2d& pixel) {
+  const auto ray = ray_from_pixel(camera, pixel);
+  return ray ? angle_off_axis(*ray) : 0.0;
+}
+
+// Ninths are named in the order of reading.
+void add_image_cells(const RigCamera& camera, CameraCoverage& coverage) {
+  const CornerEvidence& evidence = *camera.evidence;
+  const ImageSize size = camera.camera.size;
+  struct Ninth {
+    std::string name;
+    int cells = 0, covered = 0;
+  };
+  std::vector<Ninth> ninths;
+  int covered = 0;
+  for (int row = 0; row < evidence.rows; ++row) {
+    for (int column = 0; column < evidence.columns; ++column) {
+      const std::string name =
+          region_in_words(size, middle_of_cell(size, evidence.rows, evidence.columns, row, column));
+      auto ninth = std::ranges::find(ninths, name, &Ninth::name);
+      if (ninth == ninths.end()) ninth = ninths.insert(ninths.end(), Ninth{name});
+      const bool seen = evidence.corners[static_cast<std::size_t>(row * evidence.columns + column)] > 0;
+      ++ninth->cells;
+      ninth->covered += seen;
+      covered += seen;
+    }
+  }
+  coverage.image_share = static_cast<double>(covered) / (evidence.rows * evidence.columns);
+  for (const Ninth& ninth : ninths) {
+    if (ninth.covered < kCoveredShare * ninth.cells) coverage.empty_regions.push_back(ninth.name);
+  }
+}
+
+double reach(const Camera& camera) {
+  const double right = camera.size.width - 1, bottom = camera.size.height - 1;
+  double largest = 0.0;
+  for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(0, camera.cy()), Eigen::Vector2d(right, camera.cy()),
+                                       Eigen::Vector2d(camera.cx(), 0), Eigen::Vector2d(camera.cx(), bottom)}) {
+    largest = std::max(largest, angle_off_axis(camera, pixel));
+  }
+  return largest;
+}
+
+Eigen::Vector3d centre_of(const Target& target) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const TargetPoint& point : target.points) sum += point.x_in_target;
+  return sum / static_cast<double>(target.points.size());
+}
+
+}  // namespace
+
+std::string region_in_words(ImageSize size, const Eigen::Vector2d& pixel) {
+  const auto third = [](double place, int length) { return std::clamp(int(3.0 * (place + 0.5) / length), 0, 2); };
+  const int row = third(pixel.y(), size.height), column = third(pixel.x(), size.width);
+  static constexpr const char* kNames[3][3] = {
+      {"the top left corner", "the top edge", "the top right corner"},
+      {"the left edge", "the middle", "the right edge"},
+      {"the bottom left corner", "the bottom edge", "the bottom right corner"}};
+  return kNames[row][column];
+}
+
+std::vector<CameraCoverage> coverage(const CalibrationProblem& problem, const CalibrationResult& result) {
+  std::vector<CameraCoverage> all;
+  for (const RigCamera& camera : result.calibration.cameras) {
+    CameraCoverage one;
+    one.camera = camera.name;
+    if (camera.evidence) add_image_cells(camera, one);
+    one.reach_rad = reach(camera.camera);
+    std::vector<double> distances, tilts;
+    for (std::size_t v = 0; v < problem.views.size(); ++v) {
+      const TargetView& view = problem.views[v];
+      if (problem.cameras[view.camera].name != camera.name || result.views[v].pose < 0) continue;
+      for (std::size_t i = 0; i < view.observations.size(); ++i) {
+        if (result.views[v].fates[i] != ObservationFate::kUsed) continue;
+        one.seen_to_rad = std::max(one.seen_to_rad, angle_off_axis(camera.camera, view.observations[i].pixel));
+      }
+      const Rigid3 camera_from_target = camera.camera_from_rig * result.poses[result.views[v].pose].rig_from_target;
+      const Eigen::Vector3d centre = camera_from_target * centre_of(problem.targets[view.target]);
+      const Eigen::Vector3d normal = camera_from_target.rotation * Eigen::Vector3d::UnitZ();
+      distances.push_back(centre.norm());
+      tilts.push_back(std::acos(std::min(1.0, std::abs(normal.dot(centre.normalized())))));
+    }
+    if (!distances.empty()) {
+      one.nearest_m = quantile(distances, 0.05);
+      one.farthest_m = quantile(distances, 0.95);
+      one.usual_tilt_rad = median(tilts);
+      one.largest_tilt_rad = quantile(tilts, 0.9);
+    }
+    all.push_back(one);
+  }
+  return all;
+}
+
+}  // namespace raybundle

@@ -1,0 +1,174 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "findings.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "raybundle/uncertainty/drift.hpp"
+#include "sensitivity.hpp"
+
+namespace raybundle {
+namespace {
+
+constexpr double kReachedShare = 0.9;    // of the image's half field that corners should reach
+constexpr double kEnoughTilt = 0.35;     // [rad] 20°: below, focal length and distance look alike
+constexpr double kEnoughDepth = 1.5;     // farthest over nearest board
+constexpr double kWeakDirection = 1000;  // times worse than the parameters one at a time
+constexpr double kDriftSigmas = 5.0;
+
+double degrees(double radians) { return radians * 180.0 / M_PI; }
+
+Finding image_finding(const CameraCoverage& seen) {
+  Finding finding{seen.camera,
+                  "image",
+                  seen.empty_regions.empty(),
+                  fmt::format("corners were seen in {:.0f} % of the image", 100 * seen.image_share),
+                  {}};
+  if (finding.good) return finding;
+  std::string regions;
+  for (const std::string& region : seen.empty_regions) regions += (regions.empty() ? "" : ", ") + region;
+  finding.text += ", hardly any at " + regions;
+  finding.advice = "hold the board there in three more views, tilted by about 45°, unless the lens leaves it black";
+  return finding;
+}
+
+Finding angle_finding(const CameraCoverage& seen) {
+  const bool good = seen.seen_to_rad >= kReachedShare * seen.reach_rad;
+  return {seen.camera, "angle", good,
+          fmt::format("corners reach {:.0f}° off the axis, the edges of the image {:.0f}°", degrees(seen.seen_to_rad),
+                      degrees(seen.reach_rad)),
+          good ? "" : "beyond, the lens is extrapolated: hold the board nearer to the edges, or do not use them"};
+}
+
+Finding tilt_finding(const CameraCoverage& seen) {
+  const bool good = seen.largest_tilt_rad >= kEnoughTilt;
+  return {seen.camera, "tilt", good,
+          fmt::format("the boards are tilted by {:.0f}° in the median, a tenth of them by more than {:.0f}°",
+                      degrees(seen.usual_tilt_rad), degrees(seen.largest_tilt_rad)),
+          good ? "" : "tilt the board by 30° to 50° in several directions: facing boards tell no focal length"};
+}
+
+Finding distance_finding(const CameraCoverage& seen) {
+  const bool good = seen.farthest_m >= kEnoughDepth * seen.nearest_m;
+  return {seen.camera, "distance", good,
+          fmt::format("the boards were {:.2f} to {:.2f} m away", seen.nearest_m, seen.farthest_m),
+          good ? "" : "hold the board nearer and farther, too, out to where the camera will be used"};
+}
+
+std::string group_of(const std::string& parameter) {
+  if (parameter == "fx" || parameter == "fy") return "focal length";
+  if (parameter == "cx" || parameter == "cy") return "principal point";
+  return "distortion";
+}
+
+// The weakest direction of a camera's parameters, each in units of what it would be known to alone, with the words for
+// the kinds of parameters that make up at least a tenth of it. What single kinds are confused with are the boards.
+std::string direction_in_words(const std::vector<std::string>& parameters, const Eigen::VectorXd& direction) {
+  std::string kinds;
+  int count = 0;
+  for (const char* kind : {"focal length", "principal point", "distortion"}) {
+    double share = 0.0;
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      if (group_of(parameters[i]) == kind) share += std::pow(direction[static_cast<Eigen::Index>(i)], 2);
+    }
+    if (share < 0.1) continue;
+    kinds += (kinds.empty() ? "" : " against ") + std::string(kind);
+    ++count;
+  }
+  if (count > 1) return kinds;
+  if (kinds == "focal length") return kinds + " against the distance of the boards";
+  if (kinds == "principal point") return kinds + " against the direction of the boards";
+  return "the terms of the distortion against each other";
+}
+
+std::optional<Finding> parameters_finding(const RigCamera& camera, const Covariance& covariance) {
+  const std::vector<std::string> names = intrinsic_names(camera);
+  std::vector<std::string> parameters;
+  std::vector<Eigen::Index> places;
+  for (const int place : places_of(names, covariance)) {
+    if (place < 0) continue;
+    places.push_back(place);
+    parameters.push_back(covariance.names[place].substr(camera.name.size() + 1));
+  }
+  if (places.size() < 2) return std::nullopt;
+  const Eigen::MatrixXd known = covariance.matrix(places, places);
+  const Eigen::VectorXd scale = known.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd correlation = scale.asDiagonal() * known * scale.asDiagonal();
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
+  const Eigen::VectorXd values = eigen.eigenvalues().cwiseMax(1e-15);
+  // Of the information, its columns scaled to one: what each parameter would be known to if it were alone.
+  Eigen::MatrixXd information =
+      eigen.eigenvectors() * values.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
+  const Eigen::VectorXd alone = information.diagonal().cwiseSqrt().cwiseInverse();
+  eigen.compute(alone.asDiagonal() * information * alone.asDiagonal());
+  const double inflation = 1.0 / std::sqrt(std::max(eigen.eigenvalues()[0], 1e-15));
+  const bool good = inflation < kWeakDirection;
+  return Finding{camera.name, "parameters", good,
+                 fmt::format("what it tells apart least is {}: {:.0f} times worse than each alone",
+                             direction_in_words(parameters, eigen.eigenvectors().col(0)), inflation),
+                 good ? "" : "tilt the board more, near and far, or choose a model with fewer parameters"};
+}
+
+// The principal point's, which a touched lens moves first. What is less than the corners' noise does no harm.
+std::optional<Finding> drift_finding(const RigCamera& camera, double rms_px, const std::vector<Drift>& drifts) {
+  double moved2 = 0.0, sigmas = 0.0;
+  bool any = false;
+  for (const Drift& drift : drifts) {
+    if (drift.name != camera.name + ".cx" && drift.name != camera.name + ".cy") continue;
+    any = true;
+    moved2 += drift.change * drift.change;
+    sigmas = std::max(sigmas, std::abs(drift.change) / drift.sigma);
+  }
+  if (!any) return std::nullopt;
+  const double moved = std::sqrt(moved2);
+  const bool good = sigmas < kDriftSigmas || moved < rms_px;
+  return Finding{camera.name, "drift", good,
+                 fmt::format("from the first half of the frames to the second the principal point moves by {:.2f} px, "
+                             "{:.1f} of its sigmas",
+                             moved, sigmas),
+                 good ? "" : "was the lens or its mount touched, or did it warm up? Then calibrate from one half only"};
+}
+
+std::optional<Finding> shape_finding(const CalibratedTarget& target) {
+  const BoardShape& shape = target.shape;
+  const double largest = std::max({std::abs(shape.bend_x_m), std::abs(shape.bend_y_m), std::abs(shape.twist_m)});
+  if (largest == 0.0) return std::nullopt;
+  double width = 0.0;
+  for (const TargetPoint& point : target.target.points) {
+    width = std::max(width, (point.x_in_target - target.target.points.front().x_in_target).norm());
+  }
+  constexpr double kFlatEnough = 0.005;  // of the diagonal; beyond, bend and twist do not describe a sheet any more
+  const bool good = largest < kFlatEnough * width;
+  return Finding{target.target.name, "shape", good,
+                 fmt::format("it is bent by up to {:.2f} mm, which the solve allows for", 1e3 * largest),
+                 good ? "" : "glue it to something stiff"};
+}
+
+}  // namespace
+
+std::vector<Finding> findings(const CalibrationProblem& problem, const CalibrationResult& result,
+                              const std::vector<CameraCoverage>& seen) {
+  std::vector<Finding> all;
+  const std::vector<Drift> drifts = drift_between_halves(problem, result);
+  for (std::size_t c = 0; c < seen.size(); ++c) {
+    const RigCamera& camera = result.calibration.cameras[c];
+    const auto named = std::ranges::find(problem.cameras, camera.name, &ProblemCamera::name);
+    const double rms_px = result.cameras[named - problem.cameras.begin()].rms_px;
+    all.push_back(image_finding(seen[c]));
+    all.push_back(angle_finding(seen[c]));
+    all.push_back(tilt_finding(seen[c]));
+    all.push_back(distance_finding(seen[c]));
+    if (const auto finding = parameters_finding(camera, result.calibration.covariance)) all.push_back(*finding);
+    if (const auto finding = drift_finding(camera, rms_px, drifts)) all.push_back(*finding);
+  }
+  for (const CalibratedTarget& target : result.calibration.targets) {
+    if (const auto finding = shape_finding(target)) all.push_back(*finding);
+  }
+  return all;
+}
+
+}  // namespace raybundle

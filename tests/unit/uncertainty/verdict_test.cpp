@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/uncertainty/verdict.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "raybundle/calibrate/calibrate.hpp"
+#include "raybundle/uncertainty/coverage.hpp"
+#include "raybundle/uncertainty/drift.hpp"
+#include "synthetic_world.hpp"
+
+namespace raybundle {
+namespace {
+
+using ::testing::Contains;
+using ::testing::IsEmpty;
+using testing::synthetic_world;
+using testing::SyntheticOptions;
+
+SyntheticOptions stereo() {
+  SyntheticOptions options;
+  options.cameras.resize(2);
+  options.cameras[1].camera_from_rig.translation = {-0.1, 0.0, 0.0};
+  options.frames = 24;
+  options.noise_px = 0.1;
+  return options;
+}
+
+Verdict required(const CalibrationProblem& problem, const CalibrationResult& result, const std::string& text) {
+  return verdict(problem, result, {requirement_from_text(text)});
+}
+
+// The same figure is enough, hardly enough and not enough, by the limit alone.
+TEST(Verdict, GradesByHowFarTheFigureIsFromItsLimit) {
+  const CalibrationProblem problem = synthetic_world(stereo()).problem;
+  const CalibrationResult result = calibrate(problem);
+  ASSERT_THAT(result.warnings, IsEmpty());
+  const Verdict first = required(problem, result, "depth 1 mm at 1 m over 60 deg");
+  ASSERT_EQ(first.judgements.size(), 1u);
+  const double mm = 1e3 * first.judgements[0].value;
+  ASSERT_GT(mm, 0.0);
+  const auto grade = [&](double factor) {
+    return *required(problem, result, "depth " + std::to_string(factor * mm) + " mm at 1 m over 60 deg").grade;
+  };
+  EXPECT_EQ(grade(2.0), Grade::kPass);
+  EXPECT_EQ(grade(1.1), Grade::kMarginal);
+  EXPECT_EQ(grade(0.9), Grade::kFail);
+}
+
+TEST(Verdict, FailsWhatItCannotJudge) {
+  SyntheticOptions options = stereo();
+  options.cameras.resize(1);
+  const CalibrationProblem problem = synthetic_world(options).problem;
+  const CalibrationResult result = calibrate(problem);
+  EXPECT_EQ(required(problem, result, "depth 10 mm at 1 m").grade, Grade::kFail);
+  EXPECT_EQ(required(problem, result, "rms 10 px for nobody").grade, Grade::kFail);
+  EXPECT_EQ(verdict(problem, result, {}).grade, std::nullopt);
+}
+
+// Boards that never leave the middle leave the corners of the image empty, and extrapolation is not called good.
+TEST(Verdict, NamesThePartsOfTheImageWithoutCorners) {
+  SyntheticOptions options = stereo();
+  options.cameras.resize(1);
+  options.max_off_axis_rad = 0.1;
+  options.min_distance_m = 0.7;
+  const CalibrationProblem problem = synthetic_world(options).problem;
+  const CalibrationResult result = calibrate(problem);
+  EXPECT_THAT(coverage(problem, result)[0].empty_regions, Contains("the top left corner"));
+  const Verdict judged = required(problem, result, "projection 1000 px");
+  EXPECT_EQ(judged.grade, Grade::kMarginal);
+  const auto image = std::ranges::find(judged.findings, "image", &Finding::topic);
+  ASSERT_NE(image, judged.findings.end());
+  EXPECT_FALSE(image->good);
+}
+
+// The principal point of the second half of the frames is a pixel off: the change is found, within four of its sigmas.
+TEST(Drift, FindsALensThatWasTouched) {
+  SyntheticOptions options = stereo();
+  options.cameras.resize(1);
+  CalibrationProblem problem = synthetic_world(options).problem;
+  const auto change_of = [](const std::vector<Drift>& drifts, const std::string& name) {
+    return *std::ranges::find(drifts, name, &Drift::name);
+  };
+  for (const Drift& drift : drift_between_halves(problem, calibrate(problem))) {
+    EXPECT_LT(std::abs(drift.change), 4 * drift.sigma) << drift.name;
+  }
+  for (TargetView& view : problem.views) {
+    if (view.frame < options.frames / 2) continue;
+    for (Observation& observation : view.observations) observation.pixel.x() += 1.0;
+  }
+  const std::vector<Drift> drifts = drift_between_halves(problem, calibrate(problem));
+  const Drift cx = change_of(drifts, "camera0.cx"), cy = change_of(drifts, "camera0.cy");
+  EXPECT_NEAR(cx.change, 1.0, 4 * cx.sigma);
+  EXPECT_GT(cx.change, 5 * cx.sigma);
+  EXPECT_LT(std::abs(cy.change), 4 * cy.sigma);
+}
+
+}  // namespace
+}  // namespace raybundle
