@@ -41,8 +41,8 @@ namespace {
 // A match needs so much texture over noise: below, its probability falls to zero.
 constexpr double kTextureOverNoise = 2.0;
 constexpr double kEdge_m = 0.05;       // neighbours that differ by more lie on two surfaces
-constexpr double kSwallowed = 0.35;    // share of pixels beside an edge that get the nearer surface's depth
-constexpr double kLost = 0.35;         // and that have no match
+constexpr double kSwallowed = 0.25;    // share of pixels beside an edge that get the nearer surface's depth
+constexpr double kLost = 0.4;          // and that have no match
 constexpr double kMostSigma_m = 0.15;  // along the ray: such points are of no use
 constexpr double kNearest_m = 0.2, kFarthest_m = 2.0;  // of wrong matches
 
@@ -101,11 +101,24 @@ std::optional<double> swallowing(const CabinDepth& depth, int x, int y, int half
   return found ? std::optional(nearest) : std::nullopt;
 }
 
+// The sensor with the exposure at which 1 % of the pixels are above 2/3 of the range.
+//
+// light  on the sensor [W/m² on a white surface]
+SimulatedSensor exposed(const CabinSensor& sensor, int camera, std::vector<float> light) {
+  constexpr double kMostChange = 8.0;
+  SimulatedSensor exposed = sensor.rig.cameras[camera].sensor;
+  if (!sensor.automatic_exposure) return exposed;
+  const auto bright = light.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(light.size()));
+  std::nth_element(light.begin(), bright, light.end());
+  const double wanted = 0.67 * exposed.white_W_m2 / std::max(1e-6, static_cast<double>(*bright));
+  exposed.exposure = std::clamp(wanted, exposed.exposure / kMostChange, exposed.exposure * kMostChange);
+  return exposed;
+}
+
 // Probability that the texture of a surface is matched.
 //
-// light  that comes back from it [W/m² on a white surface]
-double match_chance(const CabinView& view, const CabinMaterial& material, double light) {
-  const SimulatedSensor& sensor = view.camera.sensor;
+// light  on the sensor [W/m² on a white surface]
+double match_chance(const SimulatedSensor& sensor, const CabinMaterial& material, double light) {
   const double electrons = sensor.full_well_e * sensor.exposure * light / sensor.white_W_m2;
   if (electrons >= sensor.full_well_e) return 0;
   const double noise = std::sqrt(electrons + sensor.read_noise_e * sensor.read_noise_e);
@@ -134,6 +147,12 @@ GreyImage CabinRenderer::image(const CabinScene& scene, int camera, const CabinI
   const auto key = [&](std::uint64_t purpose) {
     return random_key(options.seed, options.stream, purpose + 10 * static_cast<std::uint64_t>(camera));
   };
+  const std::vector<float>& vignetting = view.rays.vignetting();
+  const auto vignette = [&vignetting](LightImage& image) {
+    for (std::size_t i = 0; i < vignetting.size(); ++i) image.values[i] *= vignetting[i];
+  };
+  vignette(light);
+  const SimulatedSensor reading = exposed(tables_->sensor, camera, light.values);
   if (options.laser && tables_->sensor.rig.emitter) {
     const Emitter& emitter = *tables_->sensor.rig.emitter;
     LightImage laser(size);
@@ -143,12 +162,11 @@ GreyImage CabinRenderer::image(const CabinScene& scene, int camera, const CabinI
                 emitter.waist_distance_m, emitter.divergence_rad},
                blur, laser);
     }
+    vignette(laser);
     if (options.noise) add_speckle(laser, emitter.speckle_contrast, key(1));
     for (std::size_t i = 0; i < light.values.size(); ++i) light.values[i] += laser.values[i];
   }
-  const std::vector<float>& vignetting = view.rays.vignetting();
-  for (std::size_t i = 0; i < light.values.size(); ++i) light.values[i] *= vignetting[i];
-  return read_out(view.camera.sensor, light, options.noise, key(options.laser ? 2 : 0));
+  return read_out(reading, light, options.noise, key(options.laser ? 2 : 0));
 }
 
 CabinDepth CabinRenderer::depth(const CabinScene& scene, int camera) const {
@@ -174,6 +192,8 @@ std::vector<CabinPoint> CabinRenderer::matched_points(const CabinScene& scene, c
   const CabinDepth truth = depth(scene, 0);
   std::vector<float> light(truth.hits.size());
   lighting.shine(left.eye(), truth.hits, light);
+  for (std::size_t i = 0; i < light.size(); ++i) light[i] *= left.rays.vignetting()[i];
+  const SimulatedSensor reading = exposed(sensor, 0, light);
   const Rigid3 known_from_vehicle = sensor.known_vehicle_from_rig * sensor.vehicle_from_rig.inverse();
   const Eigen::Vector3d baseline = right.eye() - left.eye();
   Random random(options.seed, mixed_bits(options.stream) ^ 401);
@@ -187,7 +207,7 @@ std::vector<CabinPoint> CabinRenderer::matched_points(const CabinScene& scene, c
                  anywhere = random.uniform();
     const int x = i % truth.size.width, y = i / truth.size.width;
     double distance = hit.distance_m;
-    if (matched > match_chance(left, scene.cockpit().meshes[hit.mesh].material, light[i])) continue;
+    if (matched > match_chance(reading, scene.cockpit().meshes[hit.mesh].material, light[i])) continue;
     if (const auto nearer = edge < kSwallowed + kLost ? swallowing(truth, x, y, options.window_px / 2) : std::nullopt) {
       if (edge >= kSwallowed) continue;
       distance = *nearer;

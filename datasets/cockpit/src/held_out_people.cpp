@@ -169,7 +169,7 @@ Posture posture(const BodySize& size, Sitting sitting, const SeatSetting& seat, 
   if (!grown) p.hips.z() -= 0.06 * (1 - size.stature / 1.7);
   p.pelvis_recline_rad = seat.recline_rad + 0.1 + 3.0 * slouch + 0.05 * random.normal();
   p.chest_recline_rad = seat.recline_rad - 0.12 + 0.06 * random.normal();
-  p.lean_left_rad = random.chance(0.25) ? random.uniform(-0.25, -0.1) : 0.04 * random.normal();  // against the door
+  p.lean_left_rad = random.chance(0.25) ? random.uniform(-0.20, -0.08) : 0.04 * random.normal();  // against the door
   p.turn_left_rad = 0.08 * random.normal();
   p.head_pitch_rad = random.uniform(-0.15, 0.5);
   p.head_turn_left_rad = random.uniform(-0.7, 0.7);
@@ -225,6 +225,8 @@ Posture posture(const BodySize& size, Sitting sitting, const SeatSetting& seat, 
     case Sitting::kTurned: {
       const double way = random.chance(0.6) ? 1 : -1;
       p.turn_left_rad = way * random.uniform(0.3, 1.0);
+      p.hips.x() += 0.06;  // the shoulder needs room
+      p.chest_recline_rad -= 0.15 * std::abs(p.turn_left_rad);
       p.lean_left_rad = way * random.uniform(-0.2, 0.3);
       p.head_turn_left_rad = way * random.uniform(0.2, 1.0);
       break;

@@ -109,6 +109,7 @@ CabinSensor stereo_sensor(CockpitGenerator generator, std::uint64_t seed, const 
   }
   const Rigid3 right{Eigen::Quaterniond::Identity(), {training ? -0.12 : -0.10, 0, 0}};
   sensor.rig.cameras[1].camera_from_rig = jittered(right, 0.0005, 0.5 * kRadian, random);
+  sensor.automatic_exposure = true;
   sensor.illuminator_W_m2 = training ? 6.0 : 7.0;
   mount(sensor,
         training ? Mounting{{0.46, 0.33, 0.87}, {0.14, 0.00, 0.22}, 0.0}

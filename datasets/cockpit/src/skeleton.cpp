@@ -50,7 +50,7 @@ Skeleton skeleton_of(const BodySize& size, const Posture& posture) {
     s.shoulders[side] =
         s.neck + s.vehicle_from_chest * Eigen::Vector3d(0.01, left * size.shoulder_half, -0.04 * size.stature);
     const TwoBones arm = reach(s.shoulders[side], posture.hands[side], size.upper_arm, size.forearm,
-                               facing * Eigen::Vector3d(-0.35, 0.5 * left, -1.0));
+                               facing * Eigen::Vector3d(-0.35, 0.3 * left, -1.0));
     s.elbows[side] = arm.middle;
     s.wrists[side] = arm.end;
     s.hand_tips[side] = arm.end + size.hand * (arm.end - arm.middle).normalized();

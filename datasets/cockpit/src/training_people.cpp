@@ -209,6 +209,8 @@ Posture posture(const BodySize& size, Sitting sitting, const SeatSetting& seat, 
     }
     case Sitting::kTurned:
       p.turn_left_rad = (random.chance(0.7) ? 1 : -1) * random.uniform(0.4, 1.1);
+      p.hips.x() += 0.05;  // makes room for the shoulder before the seat's back
+      p.chest_recline_rad -= 0.12 * std::abs(p.turn_left_rad);
       p.lean_left_rad += std::copysign(random.uniform(0.0, 0.35), p.turn_left_rad);
       p.head_turn_left_rad = std::copysign(random.uniform(0.0, 0.9), p.turn_left_rad);
       break;

@@ -11,10 +11,11 @@ namespace raybundle {
 
 /// A sensor in the overhead console, looking down and back at the passenger seat.
 struct CabinSensor {
-  SimulatedRig rig;               ///< cameras and, for structured light, the emitter; board and poses are not used
-  Rigid3 vehicle_from_rig;        ///< where it really is
-  Rigid3 known_vehicle_from_rig;  ///< where whoever installed it believes it to be: all that a runtime may use
-  double illuminator_W_m2 = 0.0;  ///< of the flood light at the rig's first camera: on a surface 1 m before it, on axis
+  SimulatedRig rig;                 ///< cameras and, for structured light, the emitter; board and poses are not used
+  Rigid3 vehicle_from_rig;          ///< where it really is
+  Rigid3 known_vehicle_from_rig;    ///< where whoever installed it believes it to be: all that a runtime may use
+  double illuminator_W_m2 = 0.0;    ///< of the flood light between the cameras: on a surface 1 m before it, on axis
+  bool automatic_exposure = false;  ///< each image's exposure follows its brightest pixels; else that of the sensor
 };
 
 /// A camera with a 2.6 mm lens and a grid of beams 6 cm beside it.
