@@ -83,6 +83,16 @@ CabinLight draw_light(Random& random) {
   return light;
 }
 
+// Heads rest on the dashboard, not in it, and elbows stay this side of the door.
+bool fits(const Skeleton& skeleton, const CabinLayout& layout) {
+  const Eigen::Vector3d& head = skeleton.head.centre;
+  const double least = skeleton.head.semi_axes.minCoeff();
+  const bool before = head.x()<layout.dashboard_x_m - least, above = head.z()> layout.dashboard_top_m + least;
+  const bool neck_before = skeleton.neck.x() < layout.dashboard_x_m;
+  const double elbow = std::min(skeleton.elbows[0].y(), skeleton.elbows[1].y());
+  return (before || above) && neck_before && head.z() < layout.roof_m - least && elbow > layout.door_y_m;
+}
+
 // Draws a scene step by step.
 class Drawing {
  public:
@@ -140,15 +150,13 @@ class Drawing {
  private:
   Random random(std::uint64_t stream) const { return Random(request_.seed, stream); }
 
-  double distance_of(const Occupant& occupant) const {
+  bool belongs(const Occupant& occupant) const {
+    const Skeleton skeleton = skeleton_of(occupant.person.size, occupant.posture);
+    if (!fits(skeleton, cockpit_.layout)) return false;
     Meshes meshes;
-    family_.add_person(occupant.person, skeleton_of(occupant.person.size, occupant.posture), meshes);
-    return dashboard_distance(meshes, cockpit_.layout);
-  }
-
-  bool belongs(double distance_m) const {
-    return (distance_m < cockpit_.layout.out_of_position_m) ==
-           (cockpit_.truth.seat_class == CabinClass::kOutOfPosition);
+    family_.add_person(occupant.person, skeleton, meshes);
+    const bool near = dashboard_distance(meshes, cockpit_.layout) < cockpit_.layout.out_of_position_m;
+    return near == (cockpit_.truth.seat_class == CabinClass::kOutOfPosition);
   }
 
   // People and postures are drawn until they are as the class wants them, at the time zero: later they may sway into
@@ -164,7 +172,7 @@ class Drawing {
       Random still = person_random;
       const Posture posture = occupant.posture;
       occupant.posture = swayed(posture, 1.0, still, 0.0);
-      if (!belongs(distance_of(occupant))) continue;
+      if (!belongs(occupant)) continue;
       occupant.posture = swayed(posture, 1.0, person_random, request_.time_s);
       add(occupant);
       const double distance = dashboard_distance(occupants_, cockpit_.layout);

@@ -165,7 +165,8 @@ Posture posture(const BodySize& size, Sitting sitting, const SeatSetting& seat, 
   const double slouch = random.chance(0.3) ? random.uniform(0.03, 0.10) : 0.0;
   const bool grown = size.thigh + size.shank > 0.72;
   Posture p;
-  p.hips = seat.h_point + Eigen::Vector3d(slouch, 0.025 * random.normal(), 0);
+  p.hips =
+      seat.h_point + Eigen::Vector3d(slouch + 0.5 * std::max(0.0, size.waist_depth - 0.13), 0.025 * random.normal(), 0);
   if (!grown) p.hips.z() -= 0.06 * (1 - size.stature / 1.7);
   p.pelvis_recline_rad = seat.recline_rad + 0.1 + 3.0 * slouch + 0.05 * random.normal();
   p.chest_recline_rad = seat.recline_rad - 0.12 + 0.06 * random.normal();
@@ -252,6 +253,7 @@ void add_person(const Person& person, const Skeleton& s, Meshes& meshes) {
   const BodySize& size = person.size;
   const double cloth_m = person.clothes_m, chest_length = (s.neck - s.waist).norm();
   Flesh flesh{meshes};
+  const double forward = std::max(0.0, size.waist_depth - 0.13);  // bellies grow to the front
   const Eigen::Vector3d over = Eigen::Vector3d::Constant(cloth_m);
   const auto on_chest = [&](double up, double ahead) -> Eigen::Vector3d {
     return s.waist + s.vehicle_from_chest * Eigen::Vector3d(ahead, 0, up * chest_length);
@@ -260,11 +262,11 @@ void add_person(const Person& person, const Skeleton& s, Meshes& meshes) {
             over + Eigen::Vector3d(size.pelvis_depth, size.pelvis_breadth, 0.62 * size.pelvis_breadth),
             CabinPart::kBody, person.trousers);
   flesh.add(
-      0.4 * s.hips + 0.6 * s.waist + s.vehicle_from_pelvis * Eigen::Vector3d(0.1 * size.waist_depth, 0, 0),
+      0.4 * s.hips + 0.6 * s.waist + s.vehicle_from_pelvis * Eigen::Vector3d(0.1 * size.waist_depth + forward, 0, 0),
       s.vehicle_from_pelvis,
       over + Eigen::Vector3d(size.waist_depth, size.waist_breadth, 0.75 * size.hip_to_waist + 0.04 * size.stature),
       CabinPart::kBody, person.shirt);
-  flesh.add(on_chest(0.15, 0), s.vehicle_from_chest,
+  flesh.add(on_chest(0.15, forward), s.vehicle_from_chest,
             over + Eigen::Vector3d(size.waist_depth, size.waist_breadth, 0.35 * chest_length), CabinPart::kBody,
             person.shirt);
   flesh.add(on_chest(0.52, 0.01), s.vehicle_from_chest,
