@@ -39,7 +39,7 @@ void Candidates::find(const BeamSet& set, std::span<const Dot> dots) {
       const double per_px2 = gradient.squaredNorm();
       if (!(off * off <= range.tolerance_px * range.tolerance_px * per_px2)) continue;  // NaN: there is no ray
       const BeamPoint point = beam_point(beam, ray.direction);
-      if (!(point.x.z() >= range.nearest_m && point.x.z() <= range.farthest_m)) continue;
+      if (!(point.x.z() >= range.nearest_m)) continue;
       const double variance =
           gradient.dot(dot.covariance_px2 * gradient) + beam.off_plane_variance(point.along_m, point.inverse_distance);
       if (off * off > kGateSigmas * kGateSigmas * variance) continue;
@@ -47,8 +47,11 @@ void Candidates::find(const BeamSet& set, std::span<const Dot> dots) {
         candidates_.resize(begin);
         break;
       }
-      candidates_.push_back({static_cast<int>(rays_.size()), b, point.inverse_distance, off / std::sqrt(per_px2),
-                             off / std::sqrt(variance)});
+      const double off_sigmas = off / std::sqrt(variance);
+      const double density = range.tolerance_px * std::sqrt(per_px2 / variance * 2.0 / M_PI);  // at the curve
+      candidates_.push_back({static_cast<int>(rays_.size()), b, point.inverse_distance, off_sigmas,
+                             std::log(density) - 0.5 * off_sigmas * off_sigmas,
+                             point.x.z() <= range.farthest_m && set.table.beams[b].measured});
     }
     rays_.push_back(ray);
     first_.push_back(static_cast<int>(candidates_.size()));

@@ -9,31 +9,6 @@ namespace {
 
 constexpr int kMostRounds = 32;
 
-// A label rules out the others of its dot and of its beam, and those out of order with it that have a rival: what is
-// alone may as well be right, and the label wrong.
-void rule_out(const LabelTask& task, LabelWork& work) {
-  const auto all = task.candidates.all();
-  const BeamLattice& lattice = task.lattice;
-  for (int dot = 0; dot < task.candidates.dots(); ++dot) {
-    if (work.chosen[dot] >= 0) continue;
-    const int begin = task.candidates.first_of_dot(dot);
-    const int end = begin + static_cast<int>(task.candidates.of_dot(dot).size());
-    for (int c = begin; c < end; ++c) {
-      if (!work.alive[c]) continue;
-      const Candidate& candidate = all[c];
-      const auto breaks = [&](int beam) {
-        return beam >= 0 && work.dot_of_beam[beam] >= 0 &&
-               !in_order(task, candidate, all[work.chosen[work.dot_of_beam[beam]]]);
-      };
-      bool dead = work.dot_of_beam[candidate.beam] >= 0;
-      const int row = lattice.row[candidate.beam], column = lattice.column[candidate.beam];
-      for (int k = 0; k < lattice.columns && !dead; ++k) dead = k != column && breaks(lattice.at(row, k));
-      for (int k = 0; k < lattice.rows && !dead; ++k) dead = k != row && breaks(lattice.at(k, column));
-      work.alive[c] = !dead;
-    }
-  }
-}
-
 // Weight of each living candidate, and the two largest of each beam.
 void weigh(const LabelTask& task, LabelWork& work) {
   const auto all = task.candidates.all();
@@ -42,7 +17,7 @@ void weigh(const LabelTask& task, LabelWork& work) {
   work.best_of_beam.assign(task.lattice.row.size(), {kNone, kNone});
   for (std::size_t c = 0; c < all.size(); ++c) {
     if (!work.alive[c] || work.chosen[all[c].dot] >= 0) continue;
-    work.weight[c] = support_by_neighbours(task, work, all[c]) - 0.5 * all[c].off_sigmas * all[c].off_sigmas;
+    work.weight[c] = weight_of(task, work, all[c]);
     auto& [best, second] = work.best_of_beam[all[c].beam];
     if (work.weight[c] > best) {
       second = best;
@@ -60,7 +35,7 @@ bool confirm(const LabelTask& task, LabelWork& work) {
   for (int dot = 0; dot < task.candidates.dots(); ++dot) {
     if (work.chosen[dot] >= 0) continue;
     const int begin = task.candidates.first_of_dot(dot);
-    const int end = begin + static_cast<int>(task.candidates.of_dot(dot).size());
+    const int end = task.candidates.first_of_dot(dot + 1);
     int best = -1;
     double second = -1e9;
     for (int c = begin; c < end; ++c) {

@@ -4,13 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace raybundle {
 namespace {
 
-constexpr double kSpread = 0.25;        // [1/m] of the inverse distances of neighbouring dots on one surface
-constexpr double kEdgeShare = 0.1;      // of neighbouring dots that lie on different surfaces
-constexpr double kFarOff_sigmas = 2.5;  // from the curve: one in eighty true dots
+constexpr double kSpread = 0.25;            // [1/m] of the inverse distances of neighbouring dots on one surface
+constexpr double kEdgeShare = 0.1;          // of neighbouring dots that lie on different surfaces
+constexpr std::size_t kMostSupporters = 3;  // neighbours that are not on one surface say little more
+constexpr double kFarOff_sigmas = 2.5;      // from the curve: one in eighty true dots
 
 // The next label on one side along a row or column; -1 when there is none.
 int next_label(const LabelTask& task, const LabelWork& work, int beam, int row_step, int column_step) {
@@ -34,23 +36,28 @@ bool breaks_order(const LabelTask& task, const LabelWork& work, const Candidate&
 
 }  // namespace
 
-double smoothness(double a, double b, const SensorRange& range) {
+double smoothness(double difference, const SensorRange& range) {
   const double width = 1.0 / range.nearest_m - 1.0 / range.farthest_m;
-  const double on_one = std::exp(-std::abs(a - b) / kSpread) * width / (2.0 * kSpread);
+  const double on_one = std::exp(-difference / kSpread) * width / (2.0 * kSpread);
   return std::log((1.0 - kEdgeShare) * on_one + kEdgeShare);
 }
 
 double support_by_neighbours(const LabelTask& task, const LabelWork& work, const Candidate& candidate) {
-  bool any = false;
-  double least = 0.0;  // difference of inverse distances
+  std::array<double, kMostSupporters> best{};  // the least differences of inverse distances, ascending
+  best.fill(std::numeric_limits<double>::infinity());
   for (const int beam : task.lattice.around[candidate.beam]) {
     if (beam < 0 || work.dot_of_beam[beam] < 0 || work.dot_of_beam[beam] == candidate.dot) continue;
     const Candidate& other = task.candidates.all()[work.chosen[work.dot_of_beam[beam]]];
-    const double difference = std::abs(other.inverse_distance - candidate.inverse_distance);
-    least = any ? std::min(least, difference) : difference;
-    any = true;
+    double difference = std::abs(other.inverse_distance - candidate.inverse_distance);
+    for (double& least : best) {
+      if (difference < least) std::swap(difference, least);
+    }
   }
-  return any ? smoothness(least, 0.0, task.range) : 0.0;
+  double support = 0.0;
+  for (const double difference : best) {
+    if (std::isfinite(difference)) support += smoothness(difference, task.range);
+  }
+  return support;
 }
 
 void begin(const LabelTask& task, LabelWork& work) {
@@ -70,11 +77,60 @@ void withdraw(const LabelTask& task, LabelWork& work, int dot) {
   work.chosen[dot] = -1;
 }
 
+void index_by_beam(const LabelTask& task, LabelWork& work) {
+  const auto all = task.candidates.all();
+  work.first_of_beam.assign(task.lattice.row.size() + 1, 0);
+  for (const Candidate& candidate : all) ++work.first_of_beam[candidate.beam + 1];
+  for (std::size_t b = 1; b < work.first_of_beam.size(); ++b) work.first_of_beam[b] += work.first_of_beam[b - 1];
+  work.of_beam.resize(all.size());
+  for (int c = static_cast<int>(all.size()) - 1; c >= 0; --c) {
+    work.of_beam[--work.first_of_beam[all[c].beam + 1]] = c;
+  }
+  for (std::size_t b = 0; b + 1 < work.first_of_beam.size(); ++b) work.first_of_beam[b] = work.first_of_beam[b + 1];
+  work.first_of_beam.back() = static_cast<int>(all.size());
+}
+
+void choose_unrivalled(const LabelTask& task, LabelWork& work) {
+  for (int dot = 0; dot < task.candidates.dots(); ++dot) {
+    if (task.candidates.of_dot(dot).size() != 1) continue;
+    const int beam = task.candidates.of_dot(dot)[0].beam;
+    const bool alone = work.first_of_beam[beam + 1] - work.first_of_beam[beam] == 1;
+    if (alone) choose(task, work, task.candidates.first_of_dot(dot));
+  }
+}
+
+void rule_out(const LabelTask& task, LabelWork& work) {
+  const auto all = task.candidates.all();
+  const BeamLattice& lattice = task.lattice;
+  for (int dot = 0; dot < task.candidates.dots(); ++dot) {
+    if (work.chosen[dot] >= 0) continue;
+    const int begin = task.candidates.first_of_dot(dot);
+    const int end = task.candidates.first_of_dot(dot + 1);
+    for (int c = begin; c < end; ++c) {
+      if (!work.alive[c]) continue;
+      const Candidate& candidate = all[c];
+      const auto breaks = [&](int beam) {
+        return beam >= 0 && work.dot_of_beam[beam] >= 0 &&
+               !in_order(task, candidate, all[work.chosen[work.dot_of_beam[beam]]]);
+      };
+      bool dead = work.dot_of_beam[candidate.beam] >= 0;
+      const int row = lattice.row[candidate.beam], column = lattice.column[candidate.beam];
+      for (int k = 0; k < lattice.columns && !dead; ++k) dead = k != column && breaks(lattice.at(row, k));
+      for (int k = 0; k < lattice.rows && !dead; ++k) dead = k != row && breaks(lattice.at(k, column));
+      work.alive[c] = !dead;
+    }
+  }
+}
+
 void withdraw_doubtful(const LabelTask& task, LabelWork& work) {
   work.doubtful.clear();
   for (int dot = 0; dot < task.candidates.dots(); ++dot) {
     if (work.chosen[dot] < 0) continue;
     const Candidate& label = task.candidates.all()[work.chosen[dot]];
+    if (!label.measures) {
+      work.doubtful.push_back(dot);
+      continue;
+    }
     if (support_by_neighbours(task, work, label) > 0.0) continue;
     if (std::abs(label.off_sigmas) > kFarOff_sigmas || breaks_order(task, work, label)) work.doubtful.push_back(dot);
   }

@@ -6,15 +6,12 @@
 
 namespace raybundle {
 
-/// Two candidates exclude each other: of one dot, of one beam, or out of order.
-inline bool exclude(const LabelTask& task, const Candidate& a, const Candidate& b) {
-  return a.dot == b.dot || a.beam == b.beam || !in_order(task, a, b);
-}
+/// Log-odds that neighbouring beams hit at inverse distances of this difference [1/m] because they hit one surface,
+/// against by chance.
+double smoothness(double difference, const SensorRange& range);
 
-/// Log-odds that two neighbouring beams hit at these inverse distances because they hit one surface, against by chance.
-double smoothness(double inverse_distance_a, double inverse_distance_b, const SensorRange& range);
-
-/// The best smoothness of a candidate beside the chosen candidates of its beam's neighbours; 0 when none has a label.
+/// The smoothness of a candidate beside the labels of its beam's neighbours, summed over the three that fit best; 0
+/// when none has a label.
 double support_by_neighbours(const LabelTask& task, const LabelWork& work, const Candidate& candidate);
 
 /// Begins with no dot labelled and all candidates alive.
@@ -26,7 +23,21 @@ void choose(const LabelTask& task, LabelWork& work, int candidate);
 /// Takes it back.
 void withdraw(const LabelTask& task, LabelWork& work, int dot);
 
-/// By how much [log-odds] a label must outdo every rival: one error in a hundred doubtful cases.
-inline constexpr double kSureBy = 4.6;
+/// Log-odds of a candidate by its distance from the curve and by the labels of its neighbours.
+inline double weight_of(const LabelTask& task, const LabelWork& work, const Candidate& candidate) {
+  return candidate.log_odds + support_by_neighbours(task, work, candidate);
+}
+
+/// Fills first_of_beam and of_beam.
+void index_by_beam(const LabelTask& task, LabelWork& work);
+
+/// Labels the dots with one candidate whose beam is no candidate of another dot: the trustworthy ones.
+void choose_unrivalled(const LabelTask& task, LabelWork& work);
+
+/// Ends the life of candidates of unlabelled dots that a label excludes: of the same beam, or out of order with it.
+void rule_out(const LabelTask& task, LabelWork& work);
+
+/// By how much [log-odds] a label must outdo every rival: one error in a thousand doubtful cases.
+inline constexpr double kSureBy = 7.0;
 
 }  // namespace raybundle

@@ -29,12 +29,14 @@ BeamLattice::BeamLattice(const SensorTable& table)
 LabelWork::LabelWork(int most_dots, const SensorTable& table) {
   const std::size_t dots = most_dots, beams = table.beams.size();
   const std::size_t candidates = dots * Candidates::kMostOfDot;
-  chosen.reserve(dots);
-  doubtful.reserve(dots);
+  for (auto* of_dots : {&chosen, &doubtful, &group, &member}) of_dots->reserve(dots);
+  for (auto* of_dots : {&no_beam, &next_no_beam}) of_dots->reserve(dots);
+  for (auto* of_candidates : {&weight, &next_weight}) of_candidates->reserve(candidates);
+  alive.reserve(candidates);
+  of_beam.reserve(candidates);
   dot_of_beam.reserve(beams);
   best_of_beam.reserve(beams);
-  alive.reserve(candidates);
-  weight.reserve(candidates);
+  first_of_beam.reserve(beams + 1);
 }
 
 bool in_order(const LabelTask& task, const Candidate& a, const Candidate& b) {

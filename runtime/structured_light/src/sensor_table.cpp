@@ -13,8 +13,11 @@ namespace raybundle {
 namespace {
 
 constexpr double kCurveStep_px = 2.0;
+constexpr double kFarAway_m = 1e4;  // dots beyond the range have to be told from those in it
 constexpr std::size_t kSelfTests = 64;
-constexpr double kLeastGap_m = 1e-3;  // between camera and beam: nearer, a dot tells no depth
+constexpr double kForeseenAt_m = 0.6;   // along a foreseen beam: amid the depths of a cabin
+constexpr double kExtrapolation = 4.0;  // of a variance: beams that were not seen lie at the model's rim
+constexpr double kLeastGap_m = 1e-3;    // between camera and beam: nearer, a dot tells no depth
 
 // The covariance of a line's motion in another frame: the vectors across it are others there.
 Eigen::Matrix4d turned(const Eigen::Matrix4d& covariance, const Rigid3& b_from_a, const Line3& in_a,
@@ -28,11 +31,11 @@ Eigen::Matrix4d turned(const Eigen::Matrix4d& covariance, const Rigid3& b_from_a
 }
 
 // How the wavelength moves a calibrated beam, by the grating's model.
-Eigen::Vector4d per_wavelength(const LaserPattern& laser, const LaserBeam& beam, const Rigid3& camera_from_rig,
+Eigen::Vector4d per_wavelength(const LaserPattern& laser, int row, int column, const Rigid3& camera_from_rig,
                                const Line3& line) {
   if (!laser.grating) return Eigen::Vector4d::Zero();
   constexpr double kStep = 1e-5;
-  const double m = beam.column - laser.zero_order_column, n = beam.row - laser.zero_order_row;
+  const double m = column - laser.zero_order_column, n = row - laser.zero_order_row;
   Grating longer = *laser.grating, shorter = longer;
   longer.wavelength_scale *= 1.0 + kStep;
   shorter.wavelength_scale *= 1.0 - kStep;
@@ -50,8 +53,16 @@ void require_sense(const SensorRange& range) {
   }
 }
 
+// The beam of the grating's model, in the rig frame.
+std::optional<Line3> foreseen(const LaserPattern& laser, int row, int column) {
+  if (!laser.grating) return std::nullopt;
+  return beam_of_order(*laser.grating, column - laser.zero_order_column, row - laser.zero_order_row);
+}
+
 void add_beams(const LaserPattern& laser, const RigCamera& camera, SensorTable& table) {
   const Rigid3& camera_from_rig = camera.camera_from_rig;
+  Eigen::Matrix4d off_model = Eigen::Matrix4d::Zero();  // mean square of the calibrated beams off the grating's model
+  std::vector<char> known(laser.grid.size());
   for (const LaserBeam& beam : laser.beams) {
     const Line3 line = camera_from_rig * beam.line;
     if (line.point.cross(line.direction).norm() < kLeastGap_m) {
@@ -59,8 +70,21 @@ void add_beams(const LaserPattern& laser, const RigCamera& camera, SensorTable& 
                                             " passes through camera " + camera.name +
                                             ", so that its dots tell no depth; give another --camera");
     }
-    table.beams.push_back({beam.row, beam.column, line, turned(beam.covariance, camera_from_rig, beam.line, line),
-                           per_wavelength(laser, beam, camera_from_rig, line)});
+    known[laser.grid.index(beam.row, beam.column)] = 1;
+    table.beams.push_back({beam.row, beam.column, true, line, turned(beam.covariance, camera_from_rig, beam.line, line),
+                           per_wavelength(laser, beam.row, beam.column, camera_from_rig, line)});
+    if (const auto model = foreseen(laser, beam.row, beam.column)) {
+      const Eigen::Vector4d motion = motion_between(line, camera_from_rig * *model);
+      off_model += motion * motion.transpose() / static_cast<double>(laser.beams.size());
+    }
+  }
+  for (int b = 0; b < laser.grid.size(); ++b) {
+    const int row = laser.grid.row(b), column = laser.grid.column(b);
+    const auto model = known[b] ? std::nullopt : foreseen(laser, row, column);
+    if (!model) continue;
+    const Line3 line = camera_from_rig * Line3{model->at(kForeseenAt_m), model->direction};
+    table.beams.push_back({row, column, false, line, kExtrapolation * off_model,
+                           per_wavelength(laser, row, column, camera_from_rig, line)});
   }
   std::ranges::sort(table.beams, {}, [](const TableBeam& beam) { return std::pair(beam.row, beam.column); });
 }
@@ -82,11 +106,12 @@ SensorTable sensor_table(const Calibration& calibration, const std::string& came
   table.grid = calibration.laser->grid;
   add_beams(*calibration.laser, camera, table);
 
-  std::vector<std::vector<CurvePoint>> curves;
+  std::vector<std::vector<CurvePoint>> curves, endless;
   for (const TableBeam& beam : table.beams) {
     curves.push_back(beam_curve(camera.camera, beam.line, range, kCurveStep_px));
+    endless.push_back(beam_curve(camera.camera, beam.line, {range.nearest_m, kFarAway_m}, kCurveStep_px));
   }
-  table.candidates = candidate_lists(camera.camera.size, curves, range.tolerance_px + table.drift_px + kCurveStep_px);
+  table.candidates = candidate_lists(camera.camera.size, endless, range.tolerance_px + table.drift_px + kCurveStep_px);
   std::size_t seen = 0;
   for (const auto& curve : curves) seen += !curve.empty();
   if (seen == 0) {

@@ -63,6 +63,7 @@ TableBeam read_beam(ByteReader& reader, const LaserGrid& grid) {
   TableBeam beam;
   beam.row = reader.count(0, grid.rows - 1, "a beam's row");
   beam.column = reader.count(0, grid.columns - 1, "a beam's column");
+  beam.measured = reader.count(0, 1, "a beam's origin") == 1;
   beam.line.point = vector<3>(reader, "a beam's point");
   beam.line.direction = unit_vector(reader, "a beam's direction");
   for (double& number : beam.covariance.reshaped()) number = finite(reader, "a beam's covariance");
@@ -119,6 +120,7 @@ std::string bytes_from_table(const SensorTable& table) {
   for (const TableBeam& beam : table.beams) {
     put_count(writer, beam.row);
     put_count(writer, beam.column);
+    put_count(writer, beam.measured);
     put(writer, beam.line.point);
     put(writer, beam.line.direction);
     put(writer, beam.covariance);

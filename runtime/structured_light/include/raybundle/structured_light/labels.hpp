@@ -38,9 +38,12 @@ struct LabelWork {
   std::vector<int> chosen;                          ///< of each dot: index of its candidate, or -1
   std::vector<int> dot_of_beam;                     ///< -1: none
   std::vector<char> alive;                          ///< of each candidate
-  std::vector<double> weight;                       ///< of each candidate
+  std::vector<double> weight, next_weight;          ///< of each candidate
+  std::vector<double> no_beam, next_no_beam;        ///< weight that a dot is of none
   std::vector<std::array<double, 2>> best_of_beam;  ///< the two largest weights
   std::vector<int> doubtful;                        ///< dots
+  std::vector<int> first_of_beam, of_beam;          ///< candidates beam by beam
+  std::vector<int> group, member;                   ///< dots that are linked by common beams
 };
 
 /// Chooses for each dot one of its candidates, or none. Writes LabelWork::chosen. A dot that it is not sure of stays
@@ -61,15 +64,17 @@ void maximum_set(const LabelTask& task, LabelWork& work);
 /// The one list of labellers; the first is the usual one.
 inline constexpr std::array kLabellers{
     Labeller{"discrete", "confident labels rule out others, round by round", discrete_relaxation},
-
+    Labeller{"continuous", "the probabilities of labels support each other", continuous_relaxation},
+    Labeller{"cliques", "the largest set of labels that exclude none of each other", maximal_cliques},
+    Labeller{"exact", "the set of the largest weight, by branch and bound", maximum_set},
 };
 
 /// Whether two labels keep the order of their beams in the grid: of the same row or column, the dots must lie to each
 /// other as the beams do. Always true for beams of different rows and columns.
 bool in_order(const LabelTask& task, const Candidate& a, const Candidate& b);
 
-/// Takes back the labels that no neighbour bears out and that something else speaks against. What every labeller ends
-/// with.
+/// Takes back the labels that no neighbour bears out and that something else speaks against, and those beyond the
+/// depths. What every labeller ends with.
 void withdraw_doubtful(const LabelTask& task, LabelWork& work);
 
 }  // namespace raybundle

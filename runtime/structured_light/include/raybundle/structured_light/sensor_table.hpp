@@ -21,16 +21,19 @@ struct SensorRange {
   double tolerance_px = 1.0;
 };
 
-/// A beam as the device knows it. Its covariance is that of the motion of perturbed(line, .).
+/// A beam as the device knows it. Its covariance is that of the motion of perturbed(line, .). Beams that the
+/// calibration did not determine are foreseen by the grating's model: they explain dots, so that no other beam does,
+/// and measure nothing.
 struct TableBeam {
   int row = 0;
   int column = 0;
+  bool measured = true;
   Line3 line;  ///< in the camera's frame, away from the projector
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
   Eigen::Vector4d per_wavelength = Eigen::Vector4d::Zero();  ///< motion for each unit of ln(wavelength); 0: not known
 };
 
-/// The beams that can be seen in a square cell of the image: within depth range, tolerance and drift.
+/// The beams that can be seen in a square cell of the image: from the nearest depth on, within tolerance and drift.
 struct CandidateLists {
   int cell_px = 16;
   int columns = 0;  ///< of cells

@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <CLI/App.hpp>
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "export.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/io/hash.hpp"
+#include "raybundle/scene/atomic_file.hpp"
+#include "sensor_input.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+struct TableFlags {
+  std::string runtime;
+  SensorFlags sensor;
+};
+
+std::string summary(const SensorTable& table, const ExportRequest& request, std::size_t bytes) {
+  const auto measured = std::ranges::count_if(table.beams, [](const TableBeam& beam) { return beam.measured; });
+  std::string text =
+      fmt::format("{}: {}, {}x{}, {} beams of {}x{}", request.output, table.camera, table.rays.size.width,
+                  table.rays.size.height, measured, table.grid.columns, table.grid.rows);
+  const auto foreseen = static_cast<std::ptrdiff_t>(table.beams.size()) - measured;
+  if (foreseen > 0) text += fmt::format(" and {} foreseen", foreseen);
+  return text + fmt::format(
+                    ", from {} to {} m, within {:.2f} px\nrays every {} px, within {:.2f} µrad of the lens model; "
+                    "serial {}; {} self-tests pass\nwrote {}, {} kB\nnext  raybundle reconstruct structured-light {} "
+                    "IMAGE -o points\n",
+                    table.range.nearest_m, table.range.farthest_m, table.range.tolerance_px, table.rays.step_px,
+                    1e6 * table.rays.error_rad, table.serial, table.self_tests.size(), request.output,
+                    (bytes + 500) / 1000, request.output);
+}
+
+void print_json(const SensorTable& table, const ExportRequest& request, const std::string& bytes) {
+  const nlohmann::ordered_json result{{"file", request.output},
+                                      {"serial", table.serial},
+                                      {"sha256", sha256_of_bytes(bytes)},
+                                      {"camera", table.camera},
+                                      {"beams", table.beams.size()},
+                                      {"nearest_m", table.range.nearest_m},
+                                      {"farthest_m", table.range.farthest_m},
+                                      {"tolerance_px", table.range.tolerance_px},
+                                      {"ray_step_px", table.rays.step_px},
+                                      {"ray_error_rad", table.rays.error_rad},
+                                      {"self_tests", table.self_tests.size()},
+                                      {"bytes", bytes.size()}};
+  fmt::print("{}\n", result.dump(2));
+}
+
+bool run(const TableFlags& flags, const ExportRequest& request) {
+  if (flags.runtime.empty()) return false;
+  if (request.output.empty()) throw Error(ErrorKind::kBadInput, "where to? Give -o FILE, as in -o sensor.rbsl");
+  SensorFlags sensor = flags.sensor;
+  sensor.camera = request.camera;
+  const SensorTable made = table_from_calibration(request.calibration, sensor);
+  const std::string bytes = bytes_from_table(made);
+  const SensorTable table = table_from_bytes(bytes, request.output);  // what a device will do, self-test and all
+  write_file_whole(request.output, bytes);
+  request.json ? print_json(table, request, bytes) : fmt::print("{}", summary(table, request, bytes.size()));
+  return true;
+}
+
+}  // namespace
+
+Export add_table_export(CLI::App& verb) {
+  auto flags = std::make_shared<TableFlags>();
+  verb.add_option("--runtime", flags->runtime, "table for a device")->check(CLI::IsMember({"structured-light"}));
+  declare_sensor_flags(verb, flags->sensor);
+  return [flags](const ExportRequest& request) { return run(*flags, request); };
+}
+
+}  // namespace raybundle::apps

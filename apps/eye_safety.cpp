@@ -1,0 +1,139 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <CLI/App.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "eye_safety_limits.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/io/calibration_file.hpp"
+#include "verbs.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+constexpr const char* kNoVerdict =
+    "These are formulas, not a compliance verdict: that takes measurements by the standard.";
+
+struct SafetyFlags {
+  LaserDrive drive;
+  double pulse_us = 1000.0;
+  std::string edition;
+  std::optional<double> power_mW;
+  int beams = 1;
+  std::string calibration;
+  bool json = false;
+};
+
+struct Judgement {
+  SafetyLimit limit;
+  int beams = 1;             // the laser is split into
+  int in_aperture = 1;       // of them, at once
+  double total_W = 0.0;      // that the laser may have, split
+  double one_fault_W = 0.0;  // with the grating lost
+};
+
+Judgement judge(const SafetyFlags& flags) {
+  const auto edition = std::ranges::find(kSafetyEditions, flags.edition, &SafetyEdition::name);
+  Judgement judgement{.limit = safety_limit(flags.drive, *edition), .beams = flags.beams};
+  if (!flags.calibration.empty()) {
+    const CalibrationFile file = read_calibration(flags.calibration);
+    if (!file.calibration.laser || file.calibration.laser->beams.empty()) {
+      throw Error(ErrorKind::kBadInput, "holds no laser beams", flags.calibration);
+    }
+    std::vector<Line3> lines;
+    for (const LaserBeam& beam : file.calibration.laser->beams) lines.push_back(beam.line);
+    judgement.beams = file.calibration.laser->grid.size();
+    judgement.in_aperture = beams_in_aperture(lines);
+  }
+  judgement.one_fault_W = judgement.limit.least_W();
+  judgement.total_W = judgement.limit.least_W() * judgement.beams / judgement.in_aperture;
+  return judgement;
+}
+
+void print_text(const SafetyFlags& flags, const Judgement& judgement) {
+  const SafetyLimit& limit = judgement.limit;
+  fmt::print("class 1, IEC 60825-1 edition {}, {} nm, pulses of {} µs at {} Hz, 7 mm aperture at 100 mm\n",
+             flags.edition, flags.drive.wavelength_nm, flags.pulse_us, flags.drive.rate_Hz);
+  fmt::print("  a single pulse   {:8.3f} mW during the pulse (C4 {:.3f}, C6 {:.3f})\n", 1e3 * limit.single_pulse_W,
+             limit.c4, limit.c6);
+  fmt::print("  average power    {:8.3f} mW during the pulse\n", 1e3 * limit.average_W);
+  fmt::print("  train of pulses  {:8.3f} mW during the pulse (C5 {:.3f}, {:.0f} pulses)\n", 1e3 * limit.pulse_train_W,
+             limit.c5, limit.pulses);
+  fmt::print("permissible through the aperture: {:.3f} mW\n", 1e3 * limit.least_W());
+  fmt::print("split into {} equal beams, of which {} at most enter the aperture: {:.1f} mW in all\n", judgement.beams,
+             judgement.in_aperture, 1e3 * judgement.total_W);
+  fmt::print("single fault, grating lost and all power in one beam: {:.3f} mW in all\n", 1e3 * judgement.one_fault_W);
+  if (flags.power_mW) {
+    const auto word = [&](double limit_W) { return 1e-3 * *flags.power_mW <= limit_W ? "within" : "ABOVE"; };
+    fmt::print("{} mW is {} the limit as split, and {} it with the grating lost\n", *flags.power_mW,
+               word(judgement.total_W), word(judgement.one_fault_W));
+  }
+  fmt::print("{}\n", kNoVerdict);
+}
+
+void print_json(const SafetyFlags& flags, const Judgement& judgement) {
+  const SafetyLimit& limit = judgement.limit;
+  nlohmann::ordered_json result{{"edition", flags.edition},
+                                {"single_pulse_mW", 1e3 * limit.single_pulse_W},
+                                {"average_mW", 1e3 * limit.average_W},
+                                {"pulse_train_mW", 1e3 * limit.pulse_train_W},
+                                {"permissible_mW", 1e3 * limit.least_W()},
+                                {"c4", limit.c4},
+                                {"c5", limit.c5},
+                                {"c6", limit.c6},
+                                {"beams", judgement.beams},
+                                {"beams_in_aperture", judgement.in_aperture},
+                                {"permissible_total_mW", 1e3 * judgement.total_W},
+                                {"permissible_total_grating_lost_mW", 1e3 * judgement.one_fault_W},
+                                {"note", kNoVerdict}};
+  fmt::print("{}\n", result.dump(2));
+}
+
+void run(SafetyFlags flags) {
+  flags.drive.pulse_s = 1e-6 * flags.pulse_us;
+  const Judgement judgement = judge(flags);
+  flags.json ? print_json(flags, judgement) : print_text(flags, judgement);
+  if (flags.power_mW && 1e-3 * *flags.power_mW > std::min(judgement.total_W, judgement.one_fault_W)) throw GateFailed{};
+}
+
+}  // namespace
+
+void add_eye_safety_verb(CLI::App& app) {
+  auto flags = std::make_shared<SafetyFlags>();
+  CLI::App* verb = app.add_subcommand("eye-safety", "how much power a dot projector may have, by IEC 60825-1 class 1");
+  std::vector<std::string> editions;
+  for (const SafetyEdition& edition : kSafetyEditions) editions.emplace_back(edition.name);
+  verb->add_option("--edition", flags->edition, "of the standard: they differ")
+      ->required()
+      ->check(CLI::IsMember(editions));
+  verb->add_option("--wavelength", flags->drive.wavelength_nm, "[nm]")->capture_default_str();
+  verb->add_option("--pulse", flags->pulse_us, "length of a pulse [µs]")->capture_default_str();
+  verb->add_option("--rate", flags->drive.rate_Hz, "pulses in a second [Hz]")->capture_default_str();
+  verb->add_option("--source", flags->drive.source_mrad, "apparent size of the source [mrad]")->capture_default_str();
+  verb->add_option("--beams", flags->beams, "equal beams that the laser is split into")
+      ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str();
+  verb->add_option("--calibration", flags->calibration,
+                   "takes the beams from calibration.json, and counts those that "
+                   "enter the aperture together")
+      ->type_name("CALIBRATION");
+  verb->add_option("--power", flags->power_mW,
+                   "of the laser during the pulse, to be judged: exit code 1 when above [mW]")
+      ->type_name("MW");
+  verb->add_flag("--json", flags->json, "print the result as JSON");
+  verb->footer(
+      "Example:\n"
+      "  raybundle eye-safety --edition 1993 --wavelength 850 --pulse 1000 --rate 100\n\n"
+      "  class 1, IEC 60825-1 edition 1993, 850 nm, pulses of 1000 µs at 100 Hz, 7 mm aperture at 100 mm\n"
+      "    a single pulse      7.854 mW during the pulse (C4 1.995, C6 1.000)\n"
+      "    average power       4.417 mW during the pulse\n"
+      "    train of pulses     0.785 mW during the pulse (C5 0.100, 10000 pulses)\n"
+      "  permissible through the aperture: 0.785 mW");
+  verb->callback([flags] { run(*flags); });
+}
+
+}  // namespace raybundle::apps

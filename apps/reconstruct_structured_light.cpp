@@ -1,0 +1,190 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <CLI/App.hpp>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <set>
+#include <thread>
+
+#include "image_files.hpp"
+#include "laser_frame_files.hpp"
+#include "output_folder.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/quantile.hpp"
+#include "reconstruct.hpp"
+#include "sensor_input.hpp"
+#include "terminal.hpp"
+#include "verbs.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Flags {
+  std::string sensor;
+  std::vector<std::string> images, off;
+  std::string output, watch, labeller{kLabellers.front().name};
+  int frames = 0;
+  SensorFlags table;
+  bool json = false;
+};
+
+std::vector<std::string> files_of(const std::vector<std::string>& patterns) {
+  return patterns.empty() ? patterns : matching_files("", patterns);
+}
+
+StructuredLightOptions options_of(const Flags& flags) {
+  StructuredLightOptions options;
+  options.labeller = *std::ranges::find(kLabellers, flags.labeller, &Labeller::name);
+  return options;
+}
+
+/// Takes images one after the other and writes what they say.
+class Reconstruction {
+ public:
+  explicit Reconstruction(const Flags& flags)
+      : flags_(flags), table_(sensor_of(flags.sensor, flags.table)), sensor_(table_, options_of(flags)) {
+    require_writable(flags.output);
+    if (flags.json) return;
+    fmt::print("{:<24} {:>5} {:>8} {:>10} {:>9} {:>10}  {}\n", "image", "dots", "labelled", "triangles", "depth m",
+               "sigma mm", "state");
+  }
+
+  void take(const std::string& path, const std::string& off_path) {
+    const std::string name = fs::path(path).stem().string();
+    if (!names_.insert(name).second) {
+      throw Error(ErrorKind::kBadInput,
+                  "two images are called " + name +
+                      ", and their results would be one file; "
+                      "reconstruct them into folders of their own",
+                  path);
+    }
+    const cv::Mat on = sensor_image(path, table_);
+    const cv::Mat off = off_path.empty() ? cv::Mat() : sensor_image(off_path, table_);
+    const LaserFrame& frame = sensor_.process(view_of(on), off.empty() ? GreyView{} : view_of(off));
+    const LaserFrameFiles files = laser_frame_files(frame, table_, path, on);
+    const fs::path folder(flags_.output);
+    write_results(folder, {{folder / (name + ".json"), files.json},
+                           {folder / (name + ".ply"), files.ply},
+                           {folder / (name + ".glb"), files.glb},
+                           {folder / (name + ".html"), files.html}});
+    flags_.json ? static_cast<void>(fmt::print("{}\n", files.json)) : print_row(name, frame);
+    state_ = frame.state;
+    if (state_ == State::kInvalid && frame.health.state == State::kInvalid) {
+      say_warning(
+          fmt::format("{}: the projector seems to have turned by {:.2f} mrad since its calibration "
+                      "(chi-squared {:.0f}, alarm above {:.0f}); calibrate again",
+                      name, 1e3 * frame.health.turn_rad.norm(), frame.health.statistic, frame.health.threshold));
+    }
+  }
+
+  int taken() const { return static_cast<int>(names_.size()); }
+  bool knows(const fs::path& path) const { return names_.contains(path.stem().string()); }
+
+  void finish() const {
+    if (!flags_.json)
+      fmt::print("\nwrote {}: points in JSON, PLY and GLB, and a page, for each image\n", flags_.output);
+    if (state_ == State::kInvalid) throw GateFailed{};
+  }
+
+ private:
+  static void print_row(const std::string& name, const LaserFrame& frame) {
+    std::vector<double> depths, sigmas;
+    for (const LaserPoint& point : frame.points) {
+      depths.push_back(point.x_in_camera.z());
+      sigmas.push_back(1e3 * std::sqrt(point.covariance(2, 2)));
+    }
+    const bool none = depths.empty();
+    fmt::print("{:<24} {:>5} {:>8} {:>10} {:>9} {:>10}  {}\n", name, frame.dots.size(), frame.points.size(),
+               frame.mesh.size(), none ? "-" : fmt::format("{:.3f}", median(depths)),
+               none ? "-" : fmt::format("{:.1f}", median(sigmas)), state_name(frame.state));
+    std::fflush(stdout);
+  }
+
+  const Flags& flags_;
+  SensorTable table_;
+  StructuredLight sensor_;
+  std::set<std::string> names_;
+  State state_ = State::kOk;
+};
+
+bool is_image(const fs::path& path) {
+  static const std::set<std::string> kEndings{".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".tif", ".tiff"};
+  std::string ending = path.extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  return kEndings.contains(ending);
+}
+
+// Takes images as they come into a folder. A file counts as there when its size has stayed the same for a tick.
+void watch(const Flags& flags, Reconstruction& reconstruction) {
+  constexpr std::chrono::milliseconds kTick(100);
+  if (!fs::is_directory(flags.watch)) throw Error(ErrorKind::kIo, "is no folder to watch; make it first", flags.watch);
+  std::map<fs::path, std::uintmax_t> sizes;
+  while (flags.frames == 0 || reconstruction.taken() < flags.frames) {
+    std::error_code gone;  // files may vanish while they are looked at
+    for (const auto& entry : fs::directory_iterator(flags.watch, gone)) {
+      if (!is_image(entry.path()) || reconstruction.knows(entry.path())) continue;
+      const auto size = entry.file_size(gone);
+      const bool settled = !gone && size > 0 && sizes.contains(entry.path()) && sizes[entry.path()] == size;
+      sizes[entry.path()] = size;
+      if (settled && (flags.frames == 0 || reconstruction.taken() < flags.frames)) {
+        reconstruction.take(entry.path().string(), "");
+      }
+    }
+    std::this_thread::sleep_for(kTick);
+  }
+}
+
+void run(const Flags& flags) {
+  if (flags.images.empty() == flags.watch.empty()) {
+    throw Error(ErrorKind::kBadInput, "give images, or a folder with --watch, and not both");
+  }
+  const std::vector<std::string> images = files_of(flags.images), off = files_of(flags.off);
+  if (!off.empty() && off.size() != images.size()) {
+    throw Error(ErrorKind::kBadInput, fmt::format("there are {} images with the laser on and {} with it off; they have "
+                                                  "to be as many, in the same order",
+                                                  images.size(), off.size()));
+  }
+  Reconstruction reconstruction(flags);
+  for (std::size_t i = 0; i < images.size(); ++i) reconstruction.take(images[i], off.empty() ? "" : off[i]);
+  if (!flags.watch.empty()) watch(flags, reconstruction);
+  reconstruction.finish();
+}
+
+}  // namespace
+
+void add_structured_light_reconstruction(CLI::App& reconstruct) {
+  auto flags = std::make_shared<Flags>();
+  CLI::App* verb = reconstruct.add_subcommand("structured-light", "images of laser dots -> labelled points and a mesh");
+  verb->add_option("sensor", flags->sensor, "calibration.json, or a table of `export --runtime structured-light`")
+      ->required()
+      ->type_name("CALIBRATION");
+  verb->add_option("images", flags->images, "with the laser on; patterns in quotes")->type_name("IMAGE");
+  verb->add_option("--off", flags->off, "the same moments with the laser off, in the same order")->type_name("IMAGE");
+  verb->add_option("-o,--output", flags->output, "folder to write")->type_name("DIR")->required();
+  verb->add_option("--watch", flags->watch, "take images as they come into a folder")->type_name("DIR");
+  verb->add_option("--frames", flags->frames, "with --watch: end after so many")->check(CLI::Range(1, 1 << 30));
+  std::vector<std::string> names;
+  for (const Labeller& labeller : kLabellers) names.emplace_back(labeller.name);
+  verb->add_option("--labels", flags->labeller, "how dots get their beams")
+      ->check(CLI::IsMember(names))
+      ->capture_default_str();
+  declare_sensor_flags(*verb, flags->table);
+  verb->add_flag("--json", flags->json, "print the results as JSON, one after the other");
+  verb->footer(
+      "Exit code 1 when the last image's state is INVALID: nothing was seen, or the calibration no longer holds.\n"
+      "Example:\n"
+      "  raybundle simulate datasets/rigs/rig_26mm_laser.toml --frames 60 --seed 7 -o sim\n"
+      "  raybundle calibrate sim/dataset.toml -o out\n"
+      "  raybundle reconstruct structured-light out/calibration.json sim/camera_0_on.png --off sim/camera_0_off.png "
+      "-o points");
+  verb->callback([flags] { run(*flags); });
+}
+
+}  // namespace raybundle::apps

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "raybundle/device/state.hpp"
+#include "raybundle/structured_light/candidates.hpp"
+
+namespace raybundle {
+
+struct HealthOptions {
+  int window = 10;                  ///< frames that are judged together
+  double false_alarm_rate = 1e-8;   ///< for each frame, by the chi-squared law of three degrees of freedom
+  int least_dots = 30;              ///< labelled, in the window: with fewer nothing is known
+  double wavelength_sigma = 0.005;  ///< of ln(wavelength), before anything is seen: 15 K of a laser diode
+};
+
+/// What the labelled dots say about the calibration.
+struct HealthReport {
+  State state = State::kDegraded;  ///< kDegraded: too few dots to tell; kInvalid: the projector has turned
+  double log_wavelength = 0.0;     ///< estimated, ln of the wavelength over that of the calibration
+  double log_wavelength_sigma = 0.0;
+  Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero();        ///< of the projector about its centre, camera's axes
+  Eigen::Vector3d turn_sigma_rad = Eigen::Vector3d::Zero();  ///< large about the axis that epipolar planes do not see
+  double statistic = 0.0;                                    ///< chi-squared of the turn, three degrees of freedom
+  double threshold = 0.0;                                    ///< above which an alarm is raised
+  double noise = 1.0;                                        ///< size of the residuals over what dots and beams state
+  int dots = 0;                                              ///< in the window
+};
+
+/// Watches a calibration by the equation that triangulation leaves over: a dot lies on its beam's epipolar plane.
+///
+/// The distances of the labelled dots from their planes, over a window of frames, are explained by a change of the
+/// wavelength and a turn of the projector, together, so that heat is not taken for a turn nor hides one. What the
+/// beams' own calibration leaves uncertain does not average out over frames; it counts as common to all frames of the
+/// window. It cannot see what moves dots along their curves: a turn about the axis at right angles to the baseline and
+/// to the line of sight, a change of the baseline's length.
+class Health {
+ public:
+  Health(const BeamSet& beams, const HealthOptions& options);
+
+  /// A labelled dot.
+  struct Sample {
+    int beam = 0;
+    RayTable::Ray ray;
+    Eigen::Matrix2d covariance_px2;
+  };
+
+  /// Takes in a frame. `beams` must be those of the start; their wavelength may have been moved since.
+  const HealthReport& update(std::span<const Sample> samples);
+
+  const HealthReport& report() const { return report_; }
+
+ private:
+  using Vector4 = Eigen::Vector4d;  // ln(wavelength), turn
+  using Matrix4 = Eigen::Matrix4d;
+  struct Frame {
+    Matrix4 normal = Matrix4::Zero();    // sum of w a aᵀ
+    Matrix4 by_dots = Matrix4::Zero();   // covariance of `right` by the dots
+    Matrix4 by_beams = Matrix4::Zero();  // by the beams: the same in every frame
+    Vector4 right = Vector4::Zero();     // sum of w a e
+    double squares = 0.0;                // of the residuals over their sigmas
+    int dots = 0;
+  };
+
+  Frame frame_of(std::span<const Sample> samples) const;
+  void judge();
+
+  const BeamSet& beams_;
+  HealthOptions options_;
+  Eigen::Vector3d centre_;  ///< of the projector, in the camera's frame [m]
+  std::vector<Frame> frames_;
+  std::size_t next_ = 0;
+  HealthReport report_;
+};
+
+}  // namespace raybundle

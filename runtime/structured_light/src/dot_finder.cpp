@@ -1,0 +1,124 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/structured_light/dot_finder.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+
+#include "spot_centre.hpp"
+
+namespace raybundle {
+namespace {
+
+constexpr int kRing = 3;           // radius at half the resolution: six pixels, less than between two dots
+constexpr int kWeights = 16;       // of the smoothing, 1 2 1 both ways
+constexpr double kNoiseGain = 12;  // sigma of a smoothed value over that of a pixel: sqrt(4 * 36)
+constexpr std::size_t kMostPeaks = 8192;
+
+}  // namespace
+
+DotFinder::DotFinder(ImageSize size, int most_dots, const DotFinderOptions& options)
+    : size_(size),
+      options_(options),
+      width_(size.width / 2),
+      height_(size.height / 2),
+      half_(static_cast<std::size_t>(width_) * height_),
+      rows_(half_.size()),
+      smooth_(half_.size()),
+      signal_(width_),
+      most_dots_(most_dots) {
+  peaks_.reserve(kMostPeaks);
+  dots_.reserve(kMostPeaks);
+}
+
+// Sums of two by two pixels, of the difference where there is an image without the laser.
+void DotFinder::halve(const GreyView& on, const GreyView& off) {
+  for (int v = 0; v < height_; ++v) {
+    const std::uint8_t *upper = on.row(2 * v), *lower = on.row(2 * v + 1);
+    std::int16_t* half = half_.data() + static_cast<std::ptrdiff_t>(v) * width_;
+    for (int u = 0; u < width_; ++u) {
+      half[u] = static_cast<std::int16_t>(upper[2 * u] + upper[2 * u + 1] + lower[2 * u] + lower[2 * u + 1]);
+    }
+    if (off.pixels == nullptr) continue;
+    upper = off.row(2 * v);
+    lower = off.row(2 * v + 1);
+    for (int u = 0; u < width_; ++u) {
+      half[u] = static_cast<std::int16_t>(half[u] - upper[2 * u] - upper[2 * u + 1] - lower[2 * u] - lower[2 * u + 1]);
+    }
+  }
+}
+
+// 1 2 1 along rows, then along columns; the rim stays zero and is not searched.
+void DotFinder::smooth() {
+  for (int v = 0; v < height_; ++v) {
+    const std::int16_t* half = half_.data() + static_cast<std::ptrdiff_t>(v) * width_;
+    std::int16_t* row = rows_.data() + static_cast<std::ptrdiff_t>(v) * width_;
+    for (int u = 1; u < width_ - 1; ++u) row[u] = static_cast<std::int16_t>(half[u - 1] + 2 * half[u] + half[u + 1]);
+  }
+  for (int v = 1; v < height_ - 1; ++v) {
+    const std::int16_t* row = rows_.data() + static_cast<std::ptrdiff_t>(v) * width_;
+    std::int16_t* out = smooth_.data() + static_cast<std::ptrdiff_t>(v) * width_;
+    for (int u = 0; u < width_; ++u) {
+      out[u] = static_cast<std::int16_t>(row[u - width_] + 2 * row[u] + row[u + width_]);
+    }
+  }
+}
+
+// Places that outshine eight places of a ring around them, and their neighbours.
+void DotFinder::find_peaks(const GreyView& on, bool difference) {
+  peaks_.clear();
+  const double pixels = difference ? 2.0 : 1.0;  // that make a value's noise
+  const double dark = pixels * options_.read_noise * options_.read_noise;
+  const auto least = static_cast<std::int16_t>(
+      std::min(30000.0, std::max(double(kWeights), options_.least_signal * kNoiseGain * std::sqrt(dark))));
+  constexpr int kDiagonal = 2;
+  const std::ptrdiff_t w = width_;
+  for (int v = kRing + 1; v < height_ - kRing - 1; ++v) {
+    const std::int16_t* s = smooth_.data() + v * w;
+    for (int u = kRing + 1; u < width_ - kRing - 1; ++u) {
+      const auto cross = std::max(std::max(s[u - kRing], s[u + kRing]), std::max(s[u - kRing * w], s[u + kRing * w]));
+      const auto corners = std::max(std::max(s[u - kDiagonal * w - kDiagonal], s[u - kDiagonal * w + kDiagonal]),
+                                    std::max(s[u + kDiagonal * w - kDiagonal], s[u + kDiagonal * w + kDiagonal]));
+      signal_[u] = static_cast<std::int16_t>(s[u] - std::max(cross, corners));
+    }
+    for (int u = kRing + 1; u < width_ - kRing - 1; ++u) {
+      if (signal_[u] < least) continue;
+      const std::int16_t here = s[u];
+      const bool highest = here > s[u - 1] && here >= s[u + 1] && here > s[u - w - 1] && here > s[u - w] &&
+                           here > s[u - w + 1] && here >= s[u + w - 1] && here >= s[u + w] && here >= s[u + w + 1];
+      if (!highest) continue;
+      const double grey = on.at(2 * u, 2 * v);
+      const double sigma = kNoiseGain * std::sqrt(dark + pixels * options_.grey_per_electron * grey);
+      if (signal_[u] >= options_.least_signal * sigma && peaks_.size() < kMostPeaks)
+        peaks_.push_back({u, v, signal_[u]});
+    }
+  }
+}
+
+std::span<const Dot> DotFinder::find(const GreyView& on, const GreyView& off) {
+  assert(on.width == size_.width && on.height == size_.height);
+  halve(on, off);
+  smooth();
+  find_peaks(on, off.pixels != nullptr);
+  dots_.clear();
+  const SpotNoise noise{options_.read_noise, options_.grey_per_electron};
+  for (const Peak& peak : peaks_) {
+    const auto spot = spot_centre(on, off, {2.0 * peak.u + 0.5, 2.0 * peak.v + 0.5}, noise);
+    if (!spot || spot->major_sigma_px > options_.largest_sigma_px) continue;
+    dots_.push_back({spot->pixel, spot->covariance_px2, kUnlabelled, spot->brightness});
+  }
+  if (dots_.size() > most_dots_) {
+    const auto end = dots_.begin() + static_cast<std::ptrdiff_t>(most_dots_);
+    std::nth_element(dots_.begin(), end, dots_.end(),
+                     [](const Dot& a, const Dot& b) { return a.brightness > b.brightness; });
+    dots_.resize(most_dots_);
+    std::sort(dots_.begin(), dots_.end(), [](const Dot& a, const Dot& b) {
+      return std::pair(a.pixel.y(), a.pixel.x()) < std::pair(b.pixel.y(), b.pixel.x());
+    });
+  }
+  return dots_;
+}
+
+}  // namespace raybundle
