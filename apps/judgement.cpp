@@ -22,7 +22,7 @@ std::optional<Requirement> worst_requirement(const Verdict& verdict) {
   const auto excess = [](const Judgement& j) { return j.value / j.requirement.limit; };
   for (const Judgement& judgement : verdict.judgements) {
     const Quantity quantity = judgement.requirement.quantity;
-    if (quantity != Quantity::kProjection && quantity != Quantity::kDepth) continue;
+    if (judgement.of_laser || (quantity != Quantity::kProjection && quantity != Quantity::kDepth)) continue;
     if (std::isfinite(judgement.value) && (!worst || excess(judgement) > excess(*worst))) worst = &judgement;
   }
   return worst ? std::optional(worst->requirement) : std::nullopt;
@@ -78,13 +78,21 @@ Json json_of(const NextViews& next, const CalibrationResult& result) {
 // Four digits are more than a map shows.
 Json rounded(double value) { return std::isfinite(value) ? Json(std::stod(fmt::format("{:.4g}", value))) : Json(); }
 
+// By the corners' noise or by how the frames scatter, whichever is larger.
+UncertaintyMap larger_map(const RigCamera& camera, const Calibration& calibration, double range_m) {
+  UncertaintyMap map = uncertainty_map(projection_uncertainty(camera, calibration.covariance), range_m, kMapColumns);
+  if (!calibration.covariance_by_frame) return map;
+  const ProjectionUncertainty by_frame = projection_uncertainty(camera, *calibration.covariance_by_frame);
+  map.sigma_px = map.sigma_px.cwiseMax(uncertainty_map(by_frame, range_m, kMapColumns).sigma_px);
+  return map;
+}
+
 Json json_of_maps(const std::vector<double>& ranges_m, const CalibrationResult& result) {
   Json maps = Json::array();
   for (const RigCamera& camera : result.calibration.cameras) {
     if (!camera.evidence) continue;
-    const ProjectionUncertainty known = projection_uncertainty(camera, result.calibration.covariance);
     for (const double range_m : ranges_m) {
-      const UncertaintyMap map = uncertainty_map(known, range_m, kMapColumns);
+      const UncertaintyMap map = larger_map(camera, result.calibration, range_m);
       Json rows = Json::array();
       for (Eigen::Index row = 0; row < map.sigma_px.rows(); ++row) {
         Json values = Json::array();

@@ -84,6 +84,10 @@ struct Plane {
     return Eigen::Vector2d(focal_px * ray.x() / ray.z() + 0.5 * (width - 1),
                            focal_px * ray.y() / ray.z() + 0.5 * (height - 1));
   }
+  bool shows(const Eigen::Vector3d& ray) const {
+    const auto at = pixel(ray);
+    return at && at->minCoeff() >= 0 && at->x() < width && at->y() < height;
+  }
 };
 
 double angle_of(const Camera& camera, const Observation& observation) {
@@ -116,27 +120,35 @@ Json straight_lines(const Camera& camera, const Plane& plane, const Target& targ
   return lines;
 }
 
+// Calls use(view, observation) for the used corners of a camera.
+void for_each_used(const CalibrationProblem& problem, const CalibrationResult& result, const std::string& camera,
+                   const std::function<void(int, const Observation&)>& use) {
+  for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
+    const TargetView& view = problem.views[v];
+    if (problem.cameras[view.camera].name != camera || result.views[v].pose < 0) continue;
+    for (std::size_t i = 0; i < view.observations.size(); ++i) {
+      if (result.views[v].fates[i] == ObservationFate::kUsed) use(v, view.observations[i]);
+    }
+  }
+}
+
 void add_undistorted(const CalibrationProblem& problem, const CalibrationResult& result, const RigCamera& camera,
                      Json& pictures) {
-  int best = -1;
-  double most = 0.0, seen_to = 0.0;
-  for (std::size_t v = 0; v < problem.views.size(); ++v) {
-    const TargetView& view = problem.views[v];
-    if (problem.cameras[view.camera].name != camera.name || result.views[v].pose < 0) continue;
-    double sum = 0.0;  // many corners far off the axis show the most
-    for (std::size_t i = 0; i < view.observations.size(); ++i) {
-      if (result.views[v].fates[i] != ObservationFate::kUsed) continue;
-      const double angle = angle_of(camera.camera, view.observations[i]);
-      if (angle < kWidestHalf) sum += angle;
-      seen_to = std::max(seen_to, angle);
-    }
-    if (sum > most) best = static_cast<int>(v), most = sum;
-  }
-  if (best < 0) return;
+  double seen_to = 0.0;
+  for_each_used(problem, result, camera.name, [&](int, const Observation& observation) {
+    seen_to = std::max(seen_to, angle_of(camera.camera, observation));
+  });
+  const Plane plane(camera.camera, seen_to);
+  std::vector<double> sums(problem.views.size(), 0.0);  // many corners far off the axis, and in the picture, show most
+  for_each_used(problem, result, camera.name, [&](int v, const Observation& observation) {
+    const auto ray = ray_from_pixel(camera.camera, observation.pixel);
+    if (ray && plane.shows(*ray)) sums[v] += angle_of(camera.camera, observation);
+  });
+  const auto best = static_cast<int>(std::ranges::max_element(sums) - sums.begin());
+  if (sums.empty() || sums[best] == 0.0) return;
   const TargetView& view = problem.views[best];
   const cv::Mat image = image_of(view, problem.cameras[view.camera]);
   if (image.empty()) return;
-  const Plane plane(camera.camera, seen_to);
   const cv::Mat flat = resampled(image, plane.width, plane.height,
                                  [&](int u, int v) { return pixel_from_ray(camera.camera, plane.ray(u, v)); });
   cv::Mat small;

@@ -107,8 +107,10 @@ export function setAsideSection(report) {
     return [el("h3", {}, `${title} (${entries.length})`), table([["camera", ""], ["frame", ""], ["image", "path"], ["why", "words"]], rows, title)];
   });
   if (!parts.length) parts.push(el("p", {}, "Nothing: every image gave a view, and every view was used."));
-  return section("aside", "What was set aside, and why", ...parts,
+  const node = section("aside", "What was set aside, and why", ...parts,
     report.outlier_rule ? el("p", { class: "muted" }, sentence(report.outlier_rule)) : null);
+  node.dataset.short = "Set aside";
+  return node;
 }
 
 export function runSection(report) {

@@ -58,7 +58,7 @@ export function uncertaintyFigure(camera, report) {
   const choice = maps.length < 2 ? null : el("label", { class: "choice" }, "at a distance of ",
     el("select", { onchange: (event) => { map = maps[event.target.value]; item.redraw(); } }, maps.map((each, i) => el("option", { value: i }, rangeText(each.range_m)))));
   const node = figure("How well projections are known", item,
-    "One standard deviation of where a point lands, after the rotation that no board can tell from a shift of the image is taken out. " +
+    "One standard deviation of where a point lands, after the rotation that no board can tell from a shift of the image is taken out; by the noise of the corners or by how the frames scatter, whichever is larger. " +
     "Hatched: no corner was seen there, so that nothing tests the lens.");
   if (choice) node.querySelector("h3").after(choice);
   return node;

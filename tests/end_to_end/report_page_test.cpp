@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "browser.hpp"
+#include "judgement.hpp"
 #include "raybundle/calibrate/calibrate.hpp"
 #include "raybundle/io/report_file.hpp"
 #include "raybundle/scene/atomic_file.hpp"
@@ -43,6 +44,8 @@ Example example() {
   made.problem = synthetic_world(options).problem;
   made.problem.views[0].image = "</script><h1>left over</h1>.jpg";
   made.result = calibrate(made.problem);
+  const apps::Judgements judged = apps::judge(made.problem, made.result, {requirement_from_text("rms 0.01 px")});
+  made.extra.sections = apps::sections_of(judged, made.result);
   return made;
 }
 
@@ -85,9 +88,12 @@ TEST_F(ReportPageInBrowser, ShowsEverySectionAndAsksForNothing) {
   open(text_from_report(made.problem, made.result, made.extra));
   EXPECT_THAT(text(".tiles dd"), HasSubstr(fmt::format("{:.3f}", made.result.rms_px)));
   const std::string page = text("main");
-  for (const char* heading : {"Camera camera0", "Camera camera1", "The rig", "Images without a view (1)"}) {
+  for (const char* heading :
+       {"Verdict", "rms 0.01 px", "Next best views", "Camera camera0", "How well projections are known",
+        "Camera camera1", "The rig", "Images without a view (1)"}) {
     EXPECT_THAT(page, HasSubstr(heading));
   }
+  EXPECT_THAT(text(".headline"), HasSubstr("Not good enough"));
   EXPECT_THAT(browser->errors, IsEmpty());
   for (const std::string& request : browser->requests)
     EXPECT_THAT(request, AnyOf(HasSubstr("file:"), HasSubstr("data:")));
@@ -114,6 +120,44 @@ TEST_F(ReportPageInBrowser, ShowsTheViewThatIsChosen) {
   const std::string before = text(".views figcaption strong");
   browser->click(".views tbody tr:nth-child(3) button");
   EXPECT_NE(text(".views figcaption strong"), before);
+}
+
+// The beams of a laser stand in space beside the boards, and say how many they are.
+TEST_F(ReportPageInBrowser, ShowsLaserBeams) {
+  Example made = example();
+  LaserPattern pattern;
+  pattern.grid = {1, 2};
+  for (int column = 0; column < 2; ++column) {
+    LaserBeam beam;
+    beam.column = column;
+    beam.line = {{0.1, 0.0, 0.5}, Eigen::Vector3d(0.1 * column, 0.0, 1.0).normalized()};
+    beam.hits = 7;
+    beam.nearest_hit_m = 0.3;
+    beam.farthest_hit_m = 0.9;
+    pattern.beams.push_back(beam);
+  }
+  made.result.calibration.laser = pattern;
+  made.result.laser = LaserSummary{};
+  open(text_from_report(made.problem, made.result, made.extra));
+  EXPECT_THAT(text(".rig .controls"), HasSubstr("2 laser beams"));
+  EXPECT_THAT(browser->errors, IsEmpty());
+}
+
+// 500 views of 140 corners: below 10 MB, and shown after a second or two; here with patience for a busy machine.
+TEST_F(ReportPageInBrowser, OpensLargeReportsAtOnce) {
+  SyntheticOptions options;
+  options.frames = 500;
+  options.columns = 14;
+  options.rows = 10;
+  options.square_m = 0.025;
+  options.noise_px = 0.2;
+  const CalibrationProblem problem = synthetic_world(options).problem;
+  const CalibrationResult result = calibrate(problem);
+  open(text_from_report(problem, result));
+  EXPECT_LT(fs::file_size(folder / "report.html"), 10e6);
+  const double seconds = browser->evaluate("performance.getEntriesByType('navigation')[0].loadEventEnd / 1000");
+  RecordProperty("seconds_to_open", std::to_string(seconds));
+  EXPECT_LT(seconds, 10.0);
 }
 
 // Looks at the page as people with other screens see it; the pictures stay beside the page for a person to look at.

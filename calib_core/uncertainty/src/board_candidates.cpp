@@ -64,6 +64,7 @@ std::vector<BoardCandidate> board_candidates(const Calibration& calibration, int
   const Eigen::Vector3d centre = box_of(board).center();
   const ImageSize size = lens.camera.size;
   const int rows = rows_of_square_cells(size, kColumns);
+  const std::string name = calibration.targets.size() == 1 ? "the board" : board.name;
   std::vector<BoardCandidate> candidates;
   for (int cell = 0; cell < rows * kColumns; ++cell) {
     const Eigen::Vector2d pixel = middle_of_cell(size, rows, kColumns, cell / kColumns, cell % kColumns);
@@ -75,7 +76,7 @@ std::vector<BoardCandidate> board_candidates(const Calibration& calibration, int
         const auto points = imagined_corners(calibration, camera, target, rig_from_target, 1.0).pixel.rows();
         if (static_cast<double>(points) < kSeenShare * static_cast<double>(board.points.size())) continue;
         candidates.push_back({camera, rig_from_target,
-                              fmt::format("hold {} at {} of camera {}, {:.2f} m away, {}", board.name,
+                              fmt::format("hold {} at {} of camera {}, {:.2f} m away, {}", name,
                                           region_in_words(size, pixel), lens.name, distance, tilt.text)});
       }
     }

@@ -76,6 +76,20 @@ std::string region_in_words(ImageSize size, const Eigen::Vector2d& pixel) {
   return kNames[row][column];
 }
 
+std::string regions_in_words(std::vector<std::string> regions) {
+  for (const char* kind : {"corner", "edge"}) {
+    const auto of_kind = [&](const std::string& region) { return region.ends_with(kind); };
+    if (std::ranges::count_if(regions, of_kind) < 4) continue;
+    std::erase_if(regions, of_kind);
+    regions.push_back(std::string("all four ") + kind + "s");
+  }
+  std::string text;
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    text += (i == 0 ? "" : i + 1 == regions.size() ? " and " : ", ") + regions[i];
+  }
+  return text;
+}
+
 std::vector<CameraCoverage> coverage(const CalibrationProblem& problem, const CalibrationResult& result) {
   std::vector<CameraCoverage> all;
   for (const RigCamera& camera : result.calibration.cameras) {

@@ -36,9 +36,12 @@ struct Value {
   Eigen::Vector2d pixel;
 };
 
-// The value that a share of all stays below, and where it stands.
-void take_quantile(std::vector<Value> values, double share, Figure& figure) {
+// The value that a share of all stays below, and where it stands; their root mean square.
+void sum_up(std::vector<Value> values, double share, Figure& figure) {
   if (values.empty()) return;
+  double squares = 0.0;
+  for (const Value& each : values) squares += each.value * each.value;
+  figure.rms = std::sqrt(squares / static_cast<double>(values.size()));
   std::ranges::sort(values, {}, &Value::value);
   const Value& chosen = values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
   figure.value = chosen.value;
@@ -90,7 +93,7 @@ Figure figure_of(const Requirement& requirement, const Subject& subject, const C
       const double sigma = beam_sigma(beam, requirement.range_m);
       if (std::isfinite(sigma)) values.push_back({sigma, Eigen::Vector2d::Zero()});
     }
-    take_quantile(std::move(values), kDepthShare, figure);
+    sum_up(std::move(values), kDepthShare, figure);
     return figure;
   }
   std::optional<ProjectionUncertainty> lens;
@@ -108,7 +111,7 @@ Figure figure_of(const Requirement& requirement, const Subject& subject, const C
     unseen += first.evidence && !first.evidence->covers(first.camera.size, pixel);
   }
   if (!values.empty()) figure.unseen_share = unseen / static_cast<double>(values.size());
-  take_quantile(std::move(values), lens ? 1.0 : kDepthShare, figure);
+  sum_up(std::move(values), lens ? 1.0 : kDepthShare, figure);
   return figure;
 }
 

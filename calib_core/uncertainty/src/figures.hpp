@@ -23,6 +23,7 @@ std::vector<Subject> subjects_of(const Requirement& requirement, const Calibrati
 /// The uncertainty that a requirement limits.
 struct Figure {
   double value = std::numeric_limits<double>::quiet_NaN();  ///< [px] or [m]; NaN where it cannot be told anywhere
+  double rms = std::numeric_limits<double>::quiet_NaN();    ///< over all places, in the same unit
   Eigen::Vector2d worst = Eigen::Vector2d::Zero();          ///< pixel of the first camera where it is reached
   double unseen_share = 0.0;                                ///< of the places in question: no corner was seen there
   double reach_rad = 0.0;                                   ///< largest angle off the axis among the places

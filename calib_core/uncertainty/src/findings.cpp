@@ -29,9 +29,7 @@ Finding image_finding(const CameraCoverage& seen) {
                   fmt::format("corners were seen in {:.0f} % of the image", 100 * seen.image_share),
                   {}};
   if (finding.good) return finding;
-  std::string regions;
-  for (const std::string& region : seen.empty_regions) regions += (regions.empty() ? "" : ", ") + region;
-  finding.text += ", hardly any at " + regions;
+  finding.text += ", hardly any at " + regions_in_words(seen.empty_regions);
   finding.advice = "hold the board there in three more views, tilted by about 45°, unless the lens leaves it black";
   return finding;
 }
@@ -114,14 +112,18 @@ std::optional<Finding> parameters_finding(const RigCamera& camera, const Covaria
 }
 
 // The principal point's, which a touched lens moves first. What is less than the corners' noise does no harm.
-std::optional<Finding> drift_finding(const RigCamera& camera, double rms_px, const std::vector<Drift>& drifts) {
+std::optional<Finding> drift_finding(const RigCamera& camera, double rms_px, const std::vector<Drift>& drifts,
+                                     const Calibration& calibration) {
   double moved2 = 0.0, sigmas = 0.0;
   bool any = false;
   for (const Drift& drift : drifts) {
     if (drift.name != camera.name + ".cx" && drift.name != camera.name + ".cy") continue;
     any = true;
     moved2 += drift.change * drift.change;
-    sigmas = std::max(sigmas, std::abs(drift.change) / drift.sigma);
+    // Where corners of a frame err together, halves of the frames differ by more than the corners' noise.
+    const double plain = calibration.covariance.sigma(drift.name);
+    const double by_frame = calibration.covariance_by_frame ? calibration.covariance_by_frame->sigma(drift.name) : 0.0;
+    sigmas = std::max(sigmas, std::abs(drift.change) / (drift.sigma * std::max(1.0, by_frame / plain)));
   }
   if (!any) return std::nullopt;
   const double moved = std::sqrt(moved2);
@@ -163,7 +165,7 @@ std::vector<Finding> findings(const CalibrationProblem& problem, const Calibrati
     all.push_back(tilt_finding(seen[c]));
     all.push_back(distance_finding(seen[c]));
     if (const auto finding = parameters_finding(camera, result.calibration.covariance)) all.push_back(*finding);
-    if (const auto finding = drift_finding(camera, rms_px, drifts)) all.push_back(*finding);
+    if (const auto finding = drift_finding(camera, rms_px, drifts, result.calibration)) all.push_back(*finding);
   }
   for (const CalibratedTarget& target : result.calibration.targets) {
     if (const auto finding = shape_finding(target)) all.push_back(*finding);

@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "board_candidates.hpp"
 #include "figures.hpp"
@@ -64,13 +65,26 @@ struct Objective {
     if (subjects.empty()) requirement.reset();
   }
 
-  double operator()(const Covariance& covariance) const {
+  // What the requirement limits, of the subject that is worst; else the same as cost.
+  double figure(const Covariance& covariance) const {
+    if (!requirement) return rms(covariance);
     double worst = 0.0;
     for (const Subject& subject : subjects) {
       const double value = figure_of(*requirement, subject, calibration, covariance, kPlacesAcross).value;
       if (std::isfinite(value)) worst = std::max(worst, value);
     }
-    return requirement ? worst : rms(covariance);
+    return worst;
+  }
+
+  // What views are chosen by: all places count, the worst ones most, so that views for different places add up.
+  double cost(const Covariance& covariance) const {
+    if (!requirement) return rms(covariance);
+    double squares = 0.0;
+    for (const Subject& subject : subjects) {
+      const double value = figure_of(*requirement, subject, calibration, covariance, kPlacesAcross).rms;
+      if (std::isfinite(value)) squares += value * value;
+    }
+    return std::sqrt(squares);
   }
 
   // Root mean square over all images.
@@ -91,9 +105,16 @@ struct Objective {
   }
 
   std::string words() const {
-    return requirement ? "what '" + requirement->text + "' limits, at its worst"
+    return requirement ? "what '" + requirement->text + "' limits, at its worst, by the noise of the corners"
                        : "the sigma of projections at infinity, root mean square over all images";
   }
+};
+
+// A candidate with what its views would add, and by how much it lowered the cost when it was last looked at.
+struct Choice {
+  BoardCandidate board;
+  Eigen::MatrixXd information;
+  double gain = std::numeric_limits<double>::infinity();
 };
 
 // The flat board that most views show.
@@ -106,6 +127,20 @@ std::optional<int> usual_target(const CalibrationProblem& problem) {
   const auto most = std::ranges::max_element(views);
   if (most == views.end() || *most == 0) return std::nullopt;
   return static_cast<int>(most - views.begin());
+}
+
+// Gains hardly ever grow as views are added, so one that was too small in the round before need not be looked at again
+// (lazy greedy selection, Minoux 1978).
+const Choice& best_choice(const Objective& objective, const Covariance& covariance, std::vector<Choice>& choices) {
+  const double before = objective.cost(covariance);
+  std::ranges::stable_sort(choices, std::ranges::greater{}, &Choice::gain);
+  std::size_t best = 0;
+  double most = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < choices.size() && choices[i].gain > most; ++i) {
+    choices[i].gain = before - objective.cost({covariance.names, updated(covariance.matrix, choices[i].information)});
+    if (choices[i].gain > most) best = i, most = choices[i].gain;
+  }
+  return choices[best];
 }
 
 }  // namespace
@@ -130,32 +165,27 @@ NextViews next_best_views(const CalibrationProblem& problem, const CalibrationRe
   if (!target) return next;
   const double sigma_px = corner_sigma(problem, result);
   const std::vector<CameraCoverage> seen = coverage(problem, result);
-  std::vector<BoardCandidate> candidates;
+  std::vector<Choice> choices;
   for (int c = 0; c < static_cast<int>(calibration.cameras.size()); ++c) {
     if (!calibration.cameras[c].evidence) continue;
-    for (BoardCandidate& each : board_candidates(calibration, c, *target, seen[c]))
-      candidates.push_back(std::move(each));
-  }
-  for (int k = 0; k < count && !candidates.empty(); ++k) {
-    const double before = objective(calibration.covariance);
-    const BoardCandidate* best = nullptr;
-    Covariance with_best;
-    double least = before;
-    for (const BoardCandidate& candidate : candidates) {
-      Covariance with = covariance_with_board(calibration, *target, candidate.rig_from_target, sigma_px);
-      const double after = objective(with);
-      if (!(after < least)) continue;
-      best = &candidate;
-      least = after;
-      with_best = std::move(with);
+    for (BoardCandidate& board : board_candidates(calibration, c, *target, seen[c])) {
+      const std::vector<ViewData> views = imagined_views(calibration, *target, board.rig_from_target, sigma_px);
+      Eigen::MatrixXd information = pose_information(calibration, views, board.rig_from_target).information;
+      choices.push_back({std::move(board), std::move(information)});
     }
-    if (!best) break;
-    NextView view{best->camera, *target, best->rig_from_target, best->text, before, least, {}};
+  }
+  for (int k = 0; k < count && !choices.empty(); ++k) {
+    const Choice& best = best_choice(objective, calibration.covariance, choices);
+    if (!(best.gain > 0.0)) break;
+    const Rigid3& pose = best.board.rig_from_target;
+    const double before = objective.figure(calibration.covariance);
+    calibration.covariance.matrix = updated(calibration.covariance.matrix, best.information);
+    NextView view{
+        best.board.camera, *target, pose, best.board.text, before, objective.figure(calibration.covariance), {}};
     for (const RigCamera& camera : calibration.cameras) {
-      view.outlines.push_back(outline_in_image(camera, calibration.targets[*target].target, best->rig_from_target));
+      view.outlines.push_back(outline_in_image(camera, calibration.targets[*target].target, pose));
     }
     next.views.push_back(std::move(view));
-    calibration.covariance = std::move(with_best);
   }
   return next;
 }

@@ -165,7 +165,7 @@ std::string text_with_unit(Quantity quantity, double value) {
   switch (quantity) {
     case Quantity::kRms:
     case Quantity::kProjection:
-      return fmt::format("{:.{}f} px", value, value < 0.1 ? 3 : 2);
+      return fmt::format("{:.{}f} px", value, value < 0.01 ? 4 : value < 0.1 ? 3 : 2);
     case Quantity::kDepth:
     case Quantity::kBaseline:
       return fmt::format("{:.{}f} mm", 1e3 * value, value < 1e-3 ? 3 : value < 0.1 ? 2 : 0);

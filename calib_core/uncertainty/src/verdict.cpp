@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "figures.hpp"
 #include "findings.hpp"
 #include "raybundle/uncertainty/coverage.hpp"
+#include "raybundle/uncertainty/frame_covariance.hpp"
 
 namespace raybundle {
 namespace {
@@ -54,17 +56,9 @@ std::string more_views(double value, double limit, int views) {
       std::max(1.0, std::ceil(more)));
 }
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    text += (i == 0 ? "" : i + 1 == words.size() ? " and " : ", ") + words[i];
-  }
-  return text;
-}
-
 std::string fill_regions(const CameraCoverage& seen) {
   return fmt::format("hold the board at {} of camera {}: three views there, tilted by about 45°",
-                     joined(seen.empty_regions), seen.camera);
+                     regions_in_words(seen.empty_regions), seen.camera);
 }
 
 // What is measured of one subject, in words and as a number.
@@ -157,7 +151,8 @@ std::string advice_for(const Requirement& requirement, const Measured& found, in
 Judgement judged(const Requirement& requirement, const Subject& subject, const CalibrationProblem& problem,
                  const CalibrationResult& result, const CameraCoverage& seen) {
   const Measured found = measured(requirement, subject, problem, result, seen);
-  Judgement judgement{requirement, subject.name, grade_of(requirement, found.value), found.value, {}, {}};
+  Judgement judgement{requirement, subject.name, subject.laser, grade_of(requirement, found.value), found.value, {},
+                      {}};
   const bool known = std::isfinite(found.value);
   judgement.reason = quantity_words(requirement.quantity) +
                      (known ? text_with_unit(requirement.quantity, found.value) : "an unknown amount") + found.where;
@@ -170,7 +165,7 @@ Judgement judged(const Requirement& requirement, const Subject& subject, const C
 
 // A requirement that the result has nothing to hold against.
 Judgement unjudged(const Requirement& requirement, const std::string& subject, const std::string& reason) {
-  return {requirement, subject, Grade::kFail, std::nan(""), reason, "see the warnings"};
+  return {requirement, subject, false, Grade::kFail, std::nan(""), reason, "see the warnings"};
 }
 
 // Of cameras that are meant but were not calibrated.
@@ -187,11 +182,22 @@ std::vector<Judgement> of_missing_cameras(const Requirement& requirement, const 
   return missing;
 }
 
+// Whether a warning only says that the frames scatter, which the figures allow for.
+bool is_allowed_for(const std::string& warning, const CalibrationResult& result) {
+  const Calibration& calibration = result.calibration;
+  if (!calibration.covariance_by_frame) return false;
+  std::set<int> frames;
+  for (const BoardPose& pose : result.poses) frames.insert(pose.frame);
+  return warning == frame_scatter_warning(calibration.covariance, *calibration.covariance_by_frame,
+                                          static_cast<int>(frames.size()));
+}
+
 // What makes every sigma doubtful, whatever it says.
 std::string doubt(const CalibrationResult& result) {
   if (result.termination != Termination::kConverged) return "the solve did not converge";
-  if (result.warnings.size() == 1) return "there is a warning";
-  return result.warnings.empty() ? std::string() : fmt::format("there are {} warnings", result.warnings.size());
+  const auto count = std::ranges::count_if(result.warnings, [&](const auto& w) { return !is_allowed_for(w, result); });
+  if (count == 1) return "there is a warning";
+  return count == 0 ? std::string() : fmt::format("there are {} warnings", count);
 }
 
 }  // namespace

@@ -78,6 +78,15 @@ TEST(Verdict, NamesThePartsOfTheImageWithoutCorners) {
   EXPECT_FALSE(image->good);
 }
 
+TEST(Coverage, NamesRegionsTogether) {
+  EXPECT_EQ(regions_in_words({"the left edge"}), "the left edge");
+  EXPECT_EQ(regions_in_words({"the top left corner", "the left edge", "the middle"}),
+            "the top left corner, the left edge and the middle");
+  EXPECT_EQ(regions_in_words({"the top left corner", "the top right corner", "the left edge", "the bottom left corner",
+                              "the bottom right corner"}),
+            "the left edge and all four corners");
+}
+
 // The principal point of the second half of the frames is a pixel off: the change is found, within four of its sigmas.
 TEST(Drift, FindsALensThatWasTouched) {
   SyntheticOptions options = stereo();

@@ -13,6 +13,9 @@ namespace raybundle {
 /// "the top left corner", "the left edge", "the middle": the ninth of an image in which a pixel lies.
 std::string region_in_words(ImageSize size, const Eigen::Vector2d& pixel);
 
+/// Several of them as a list of words, in which all four corners and all four edges are named together.
+std::string regions_in_words(std::vector<std::string> regions);
+
 /// How one camera saw its boards.
 struct CameraCoverage {
   std::string camera;

@@ -31,7 +31,8 @@ struct NextViews {
 };
 
 /// Of board poses all over the images, near and far, facing and tilted, those that reduce an uncertainty most: the
-/// covariance with the normal equations of the imagined view added, its corners being as good as those there are.
+/// covariance with the normal equations of the imagined view added, its corners being as good as those there are. They
+/// are chosen one after another by the root mean square over all places that count.
 ///
 /// @param requirement  whose figure is to become smaller; nothing: the root mean square sigma of all projections at
 ///                     infinity. Of a requirement on other than projections and stereo depths, also that.

@@ -22,6 +22,7 @@ const char* grade_name(Grade grade);
 struct Judgement {
   Requirement requirement;
   std::string subject;
+  bool of_laser = false;  ///< its beams, of which views of the cameras tell little
   Grade grade = Grade::kFail;
   double value = 0.0;  ///< in the quantity's unit; NaN: it cannot be told
   std::string reason;  ///< what was found, a clause
