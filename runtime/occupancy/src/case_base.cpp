@@ -55,7 +55,7 @@ CaseVerdict verdict_of(const CaseBase& base, const double* query, int left_out) 
   }
   for (double& vote : verdict.votes) vote /= sum;
   verdict.best = static_cast<int>(std::ranges::max_element(verdict.votes) - verdict.votes.begin());
-  verdict.known = verdict.distance <= base.farthest && verdict.votes[verdict.best] >= base.least_share;
+  verdict.known = verdict.distance <= base.farthest;
   return verdict;
 }
 
@@ -66,7 +66,9 @@ CaseVerdict verdict_of(const CaseBase& base, const double* query, int left_out) 
 }  // namespace
 
 void CaseBase::check() const {
-  if (class_names.empty() || class_names.size() > kMostClasses) refuse("it has no classes, or too many");
+  if (situations.empty() || situations.size() > kMostClasses || group_names.size() > kMostClasses) {
+    refuse("it has no classes, or too many");
+  }
   if (metric_from_attributes.rows() < 1 || metric_from_attributes.rows() > kMostMetricSize ||
       metric_from_attributes.cols() < 1) {
     refuse("its metric has no usable size");
@@ -76,12 +78,15 @@ void CaseBase::check() const {
   if (neighbours < 1 || neighbours > kMostNeighbours || cases.cols() <= neighbours) {
     refuse("it has fewer cases than neighbours");
   }
-  if (!metric_from_attributes.allFinite() || !cases.allFinite() || !std::isfinite(farthest) ||
-      !std::isfinite(least_share)) {
+  if (!metric_from_attributes.allFinite() || !cases.allFinite() || !std::isfinite(farthest)) {
     refuse("it holds a number that is not finite");
   }
+  for (const SituationClass& situation : situations) {
+    if (situation.group < 0 || situation.group >= static_cast<int>(group_names.size())) refuse("a class has no group");
+    if (situation.most > AirbagAction::kFire) refuse("a class allows what no airbag does");
+  }
   for (const std::uint8_t c : classes) {
-    if (c >= class_names.size()) refuse("a case is of a class without a name");
+    if (c >= situations.size()) refuse("a case is of a class without a name");
   }
 }
 

@@ -3,9 +3,11 @@
 #include "raybundle/occupancy/learn.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "neighbourhood_metric.hpp"
 #include "raybundle/geometry/error.hpp"
 
 namespace raybundle {
@@ -16,14 +18,14 @@ constexpr double kLeastWithin = 1e-3;
 
 void check(const LabelledCases& cases, const LearnOptions& options) {
   if (cases.attributes.cols() != static_cast<Eigen::Index>(cases.classes.size()) || cases.attributes.rows() < 1 ||
-      cases.class_names.size() > kMostClasses) {
+      cases.situations.size() > kMostClasses) {
     throw Error(ErrorKind::kBadInput, "attributes and classes of the cases to learn differ in number");
   }
   if (!cases.attributes.allFinite()) throw Error(ErrorKind::kBadInput, "an attribute to learn is not finite");
-  for (std::size_t c = 0; c < cases.class_names.size(); ++c) {
+  for (std::size_t c = 0; c < cases.situations.size(); ++c) {
     const auto count = std::ranges::count(cases.classes, static_cast<std::uint8_t>(c));
     if (count <= options.neighbours) {
-      throw Error(ErrorKind::kNotEnoughData, "class '" + cases.class_names[c] + "' has " + std::to_string(count) +
+      throw Error(ErrorKind::kNotEnoughData, "class '" + cases.situations[c].name + "' has " + std::to_string(count) +
                                                  " cases, and more than " + std::to_string(options.neighbours) +
                                                  " are needed: add scenes of it");
     }
@@ -33,7 +35,7 @@ void check(const LabelledCases& cases, const LearnOptions& options) {
 // Scatter of the attributes about the mean of their class.
 Eigen::MatrixXd scatter_within_classes(const LabelledCases& cases) {
   const Eigen::Index size = cases.attributes.rows();
-  Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(size, static_cast<Eigen::Index>(cases.class_names.size()));
+  Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(size, static_cast<Eigen::Index>(cases.situations.size()));
   Eigen::VectorXd count = Eigen::VectorXd::Zero(mean.cols());
   for (Eigen::Index n = 0; n < cases.attributes.cols(); ++n) {
     mean.col(cases.classes[n]) += cases.attributes.col(n);
@@ -46,6 +48,15 @@ Eigen::MatrixXd scatter_within_classes(const LabelledCases& cases) {
     scatter += off * off.transpose();
   }
   return scatter / static_cast<double>(cases.attributes.cols());
+}
+
+// The directions of the whitened space in which the cases spread most over their scatter within classes.
+Eigen::MatrixXd most_telling(const Eigen::MatrixXd& whitening, const LabelledCases& cases, int size) {
+  const Eigen::MatrixXd centred = cases.attributes.colwise() - cases.attributes.rowwise().mean();
+  const Eigen::MatrixXd white = whitening * centred;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spread(white * white.transpose());
+  const Eigen::Index kept = std::min<Eigen::Index>(size, white.rows());
+  return spread.eigenvectors().rightCols(kept).transpose() * whitening;
 }
 
 }  // namespace
@@ -62,15 +73,18 @@ CaseBase learn(const LabelledCases& cases, const LearnOptions& options) {
   scatter.diagonal() += options.metric_shrinkage * variance + kLeastWithin * total;
   scatter.diagonal().array() += 1e-12;
 
+  const Eigen::MatrixXd whitening =
+      scatter.llt().matrixL().solve(Eigen::MatrixXd::Identity(scatter.rows(), scatter.cols()));
   CaseBase base{.attribute_set = cases.attribute_set,
-                .class_names = cases.class_names,
+                .situations = cases.situations,
+                .group_names = cases.group_names,
                 .metric_from_attributes =
-                    scatter.llt().matrixL().solve(Eigen::MatrixXd::Identity(scatter.rows(), scatter.cols())),
+                    neighbourhood_metric(most_telling(whitening, cases, options.metric_size), cases.attributes,
+                                         cases.classes, {.steps = options.metric_steps, .decay = options.metric_decay}),
                 .cases = {},
                 .classes = cases.classes,
                 .neighbours = options.neighbours,
-                .farthest = 0.0,
-                .least_share = options.least_share};
+                .farthest = 0.0};
   base.cases = base.metric_from_attributes * cases.attributes;
 
   std::vector<double> distances(cases.classes.size());

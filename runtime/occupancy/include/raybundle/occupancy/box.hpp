@@ -25,6 +25,13 @@ struct BoxCount {
   int passed = 0;   ///< that cross it and end behind
   int blocked = 0;  ///< that would cross it but end before
 
+  BoxCount& operator+=(const BoxCount& other) {
+    hits += other.hits;
+    passed += other.passed;
+    blocked += other.blocked;
+    return *this;
+  }
+
   /// Share of the rays that saw into the box and ended there, drawn to `prior` as if `weight` more rays had seen it: a
   /// box that nothing saw has the prior.
   double filled(double prior, double weight) const { return (hits + prior * weight) / (hits + passed + weight); }

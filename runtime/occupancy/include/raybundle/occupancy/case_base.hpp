@@ -14,17 +14,28 @@ inline constexpr int kMostClasses = 16;
 inline constexpr int kMostMetricSize = 128;
 inline constexpr int kMostNeighbours = 32;
 
+/// What the airbag may do in a crash, from the least forceful. Undecided: whoever asks must fall back on other sensors.
+enum class AirbagAction : std::uint8_t { kUndecided, kNoFire, kDepowered, kFire };
+
+/// What may be on the seat.
+struct SituationClass {
+  std::string name;
+  int group = 0;                              ///< index into CaseBase::group_names: the coarse classes
+  AirbagAction most = AirbagAction::kNoFire;  ///< no more forceful action is right for it
+  bool inert = false;                         ///< nothing of it moves by itself
+};
+
 /// Learnt situations: attributes of scenes whose class is known, in a metric in which distances between situations of
 /// one class are small. Sizes agree: see check().
 struct CaseBase {
   std::string attribute_set;               ///< which function made the attributes: see attributes.hpp
-  std::vector<std::string> class_names;    ///< at most kMostClasses
+  std::vector<SituationClass> situations;  ///< at most kMostClasses
+  std::vector<std::string> group_names;    ///< at most kMostClasses
   Eigen::MatrixXd metric_from_attributes;  ///< M×D
   Eigen::MatrixXd cases;                   ///< M×N, one column a learnt situation, in the metric's space
-  std::vector<std::uint8_t> classes;       ///< N, indices into class_names
+  std::vector<std::uint8_t> classes;       ///< N, indices into situations
   int neighbours = 7;                      ///< k
   double farthest = 0.0;                   ///< a situation farther than this from its nearest cases is unknown
-  double least_share = 0.0;                ///< of the votes; a class with fewer is unsure
 
   /// @throws Error(kBadInput) naming what does not agree
   void check() const;
@@ -35,7 +46,7 @@ struct CaseVerdict {
   int best = -1;                             ///< class with the most votes
   std::array<double, kMostClasses> votes{};  ///< shares, sum 1: the nearer a case the more its vote counts
   double distance = 0.0;                     ///< mean to the k nearest cases
-  bool known = false;                        ///< near enough, and sure enough
+  bool known = false;                        ///< near enough to cases
 };
 
 /// The k nearest cases vote. Brute force: bounded, without heap, the same bits on every run.

@@ -1,0 +1,155 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <memory>
+
+#include "occupancy_evaluation.hpp"
+#include "occupancy_learning.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/occupancy/case_base_file.hpp"
+#include "raybundle/scene/atomic_file.hpp"
+#include "terminal.hpp"
+#include "verbs.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+constexpr int kMostScenes = 1000000;
+// Scenes of the training generator that are evaluated have seeds from here on; learnt ones stay below.
+constexpr std::uint64_t kEvaluationSeed = 1000000000;
+
+struct Flags {
+  std::string base, output, sensor = "structured-light", grid = "11x11", split = "both";
+  SimulatedLearning learning;
+  LearnOptions learn;
+  EvaluationOptions evaluation;
+  bool json = false;
+};
+
+SensorKind kind_of(const std::string& sensor) {
+  return sensor == "stereo" ? SensorKind::kStereo : SensorKind::kStructuredLight;
+}
+
+LaserGrid grid_of(const std::string& word) {
+  int columns = 0, rows = 0, end = 0;
+  const bool read = std::sscanf(word.c_str(), "%2dx%2d%n", &columns, &rows, &end) == 2;
+  if (!read || end != static_cast<int>(word.size()) || columns < 2 || rows < 2 || columns > 64 || rows > 64) {
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("--beams {} is not COLUMNSxROWS of 2 to 64 beams, as in 11x11", word));
+  }
+  return {rows, columns};
+}
+
+std::string bytes_of_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes(std::istreambuf_iterator<char>(file), {});
+  if (!file) throw Error(ErrorKind::kIo, "cannot be read; name a file that `raybundle occupancy learn` wrote", path);
+  return bytes;
+}
+
+void run_learn(Flags flags) {
+  flags.learning.kind = kind_of(flags.sensor);
+  flags.learning.grid = grid_of(flags.grid);
+  if (flags.learning.seed + static_cast<std::uint64_t>(flags.learning.scenes) > kEvaluationSeed) {
+    throw Error(ErrorKind::kBadInput, fmt::format("--seed and --scenes reach {}, from where on scenes are kept for "
+                                                  "`occupancy evaluate`; take a smaller seed",
+                                                  kEvaluationSeed));
+  }
+  const CaseBase base = learn(simulated_cases(flags.learning), flags.learn);
+  write_file_whole(flags.output, bytes_from_case_base(base));
+  if (flags.json) {
+    fmt::print("{{\"base\": \"{}\", \"cases\": {}, \"farthest\": {}}}\n", flags.output, base.cases.cols(),
+               base.farthest);
+    return;
+  }
+  fmt::print("learnt {} cases of {} scenes, attributes {}\nwrote {}\nnext  raybundle occupancy evaluate {}\n",
+             base.cases.cols(), flags.learning.scenes, base.attribute_set, flags.output, flags.output);
+}
+
+void run_evaluate(Flags flags) {
+  const CaseBase base = case_base_from_bytes(bytes_of_file(flags.base), flags.base);
+  EvaluationOptions& options = flags.evaluation;
+  options.kind = base.attribute_set == kBoxes.name ? SensorKind::kStereo : SensorKind::kStructuredLight;
+  options.monitor = monitor_options_of(options.kind);
+  options.grid = grid_of(flags.grid);
+  options.seed += kEvaluationSeed;
+  std::vector<std::pair<std::string, Evaluation>> evaluations;
+  for (const auto& [name, generator] :
+       {std::pair("same", CockpitGenerator::kTraining), {"held-out", CockpitGenerator::kTest}}) {
+    if (flags.split != "both" && flags.split != name) continue;
+    options.generator = generator;
+    evaluations.emplace_back(name, evaluate(base, options));
+    if (!flags.json)
+      fmt::print("{}\n", text_from_evaluation(fmt::format("{} vehicles", name), evaluations.back().second));
+  }
+  if (flags.json) fmt::print("{}\n", json_from_evaluations(evaluations));
+}
+
+void add_learn(CLI::App& verb) {
+  auto flags = std::make_shared<Flags>();
+  CLI::App* learn = verb.add_subcommand("learn", "make a base of learnt cases");
+  learn->add_option("-o,--output", flags->output, "the base to write")->type_name("FILE")->required();
+  learn->add_option("--sensor", flags->sensor, "whose points are learnt")
+      ->check(CLI::IsMember({"structured-light", "stereo"}))
+      ->capture_default_str();
+  learn->add_option("--beams", flags->grid, "of the laser")->type_name("COLUMNSxROWS")->capture_default_str();
+  learn->add_option("--scenes", flags->learning.scenes, "simulated by the training generator")
+      ->check(CLI::Range(100, kMostScenes))
+      ->capture_default_str();
+  learn->add_option("--seed", flags->learning.seed, "of the first scene")->capture_default_str();
+  learn->add_option("--other-cars", flags->learning.other_cars, "copies of each scene as if in another car")
+      ->check(CLI::Range(0, 20))
+      ->capture_default_str();
+  learn->add_option("--neighbours", flags->learn.neighbours, "that vote")
+      ->check(CLI::Range(1, kMostNeighbours))
+      ->capture_default_str();
+  learn->add_option("--threads", flags->learning.threads, "the base does not depend on them")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  learn->add_flag("--json", flags->json, "print the result as JSON");
+  learn->callback([flags] { run_learn(*flags); });
+}
+
+void add_evaluate(CLI::App& verb) {
+  auto flags = std::make_shared<Flags>();
+  EvaluationOptions& options = flags->evaluation;
+  CLI::App* evaluate = verb.add_subcommand("evaluate", "a base on simulated scenes that it has not seen");
+  evaluate->add_option("base", flags->base, "what `occupancy learn` wrote")->required();
+  evaluate->add_option("--split", flags->split, "vehicles like the learnt ones, others, or both")
+      ->check(CLI::IsMember({"same", "held-out", "both"}))
+      ->capture_default_str();
+  evaluate->add_option("--beams", flags->grid, "of the laser")->type_name("COLUMNSxROWS")->capture_default_str();
+  evaluate->add_option("--scenes", options.scenes, "of each split")
+      ->check(CLI::Range(1, kMostScenes))
+      ->capture_default_str();
+  evaluate->add_option("--seed", options.seed, "other scenes")
+      ->check(CLI::Range(0, kMostScenes))
+      ->capture_default_str();
+  evaluate->add_option("--frames", options.frames, "of each scene, 0.1 s apart; the last one is judged")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  evaluate->add_option("--threads", options.threads, "figures do not depend on them")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  evaluate->add_flag("--json", flags->json, "print the result as JSON");
+  evaluate->callback([flags] { run_evaluate(*flags); });
+}
+
+}  // namespace
+
+void add_occupancy_verb(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("occupancy", "3-D -> who is on the seat, and what the airbag may do");
+  verb->require_subcommand(1);
+  add_learn(*verb);
+  add_evaluate(*verb);
+  verb->footer(
+      "Example:\n"
+      "  raybundle occupancy learn --scenes 4000 -o seats.rbcases\n"
+      "  raybundle occupancy evaluate seats.rbcases --scenes 3000");
+}
+
+}  // namespace raybundle::apps

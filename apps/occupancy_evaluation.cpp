@@ -1,0 +1,125 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "occupancy_evaluation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "each_index.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+constexpr double kNear_m = 0.6;  // distances beyond do not matter to any decision
+
+struct Trial {
+  CockpitTruth truth;
+  Occupancy answer;
+  double nearest_dot_m = INFINITY;  // true place of the nearest dot that was measured on what is on the seat
+};
+
+bool on_seat(CabinPart part) {
+  return part != CabinPart::kCar && part != CabinPart::kDashboard && part != CabinPart::kSeat;
+}
+
+double nearest_true_dot(const MeasuredScene& scene) {
+  double nearest = INFINITY;
+  for (std::size_t i = 0; i < scene.true_points.size(); ++i) {
+    const Eigen::Vector3d& x = scene.true_points[i];
+    const bool in_zones = x.z() > scene.layout.zone_floor_m && std::abs(x.y()) < scene.layout.zone_half_width_m;
+    if (in_zones && on_seat(scene.parts[i])) nearest = std::min(nearest, scene.layout.dashboard_x_m - x.x());
+  }
+  return nearest;
+}
+
+Trial trial(const CaseBase& base, const EvaluationOptions& options, std::uint64_t seed) {
+  Trial trial;
+  std::optional<OccupancyMonitor> monitor;
+  for (int frame = 0; frame < options.frames; ++frame) {
+    const MeasuredScene scene =
+        measured_scene({options.kind, {options.generator, seed, {}, frame * options.frame_s}, options.grid});
+    if (!monitor) monitor.emplace(scene.layout, base, scene.rays, options.monitor);
+    trial.answer = monitor->process(scene.scan());
+    trial.truth = scene.truth;
+    trial.nearest_dot_m = nearest_true_dot(scene);
+  }
+  return trial;
+}
+
+int force_of(CabinDecision decision) { return 2 - static_cast<int>(decision); }
+
+int force_of(AirbagAction action) { return std::max(0, static_cast<int>(action) - 1); }
+
+bool somebody(CabinClass seat_class) {
+  return seat_class != CabinClass::kEmpty && seat_class != CabinClass::kEmptyBooster &&
+         seat_class != CabinClass::kObjects;
+}
+
+void count(bool is, Share& share) {
+  share.count += is;
+  ++share.trials;
+}
+
+void count_answer(int truth, int answer, Share& right, Share& rejected) {
+  count(answer < 0, rejected);
+  if (answer >= 0) count(answer == truth, right);
+}
+
+void add(const Trial& trial, Evaluation& sum) {
+  const CockpitTruth& truth = trial.truth;
+  const Occupancy& answer = trial.answer;
+  const int seat_class = static_cast<int>(truth.seat_class), group = static_cast<int>(truth.group),
+            decision = static_cast<int>(truth.decision);
+  const int action = answer.action == AirbagAction::kUndecided ? -1 : 2 - force_of(answer.action);
+  ++sum.scenes;
+  ++sum.classes[seat_class][answer.situation < 0 ? kCabinClasses : answer.situation];
+  ++sum.groups[group][answer.group < 0 ? 3 : answer.group];
+  ++sum.actions[decision][action < 0 ? 3 : action];
+  count_answer(seat_class, answer.situation, sum.right_class, sum.rejected_class);
+  count_answer(group, answer.group, sum.right_group, sum.rejected_group);
+  count_answer(decision, action, sum.right_action, sum.rejected_action);
+  const bool harder = action >= 0 && force_of(answer.action) > force_of(truth.decision);
+  count(harder && somebody(truth.seat_class), sum.dangerous);
+  count(harder && !somebody(truth.seat_class), sum.wasted);
+  if (!somebody(truth.seat_class) || !answer.zones.anything || truth.dashboard_distance_m > kNear_m) return;
+  if (std::isfinite(trial.nearest_dot_m) && trial.nearest_dot_m < kNear_m) {
+    sum.distance_errors_m.push_back(answer.zones.distance_m - trial.nearest_dot_m);
+  }
+  sum.nearest_errors_m.push_back(answer.zones.distance_m - truth.dashboard_distance_m);
+}
+
+}  // namespace
+
+MonitorOptions monitor_options_of(SensorKind kind) {
+  MonitorOptions options;
+  if (kind == SensorKind::kStructuredLight) {
+    options.zones.margin_m = 0.08;  // people reach on between the dots
+  } else {
+    options.zones.least_points = 6;
+    options.zones.margin_m = 0.03;
+  }
+  return options;
+}
+
+double Share::bound(double side) const {
+  constexpr double kZ = 1.96;
+  if (trials == 0) return side < 0.0 ? 0.0 : 1.0;
+  const double n = trials, p = value(), z2 = kZ * kZ;
+  const double middle = p + z2 / (2 * n), half = kZ * std::sqrt(p * (1 - p) / n + z2 / (4 * n * n));
+  return std::clamp((middle + side * half) / (1 + z2 / n), 0.0, 1.0);
+}
+
+Evaluation evaluate(const CaseBase& base, const EvaluationOptions& options) {
+  std::vector<Trial> trials(static_cast<std::size_t>(options.scenes));
+  for_each_index(trials.size(), options.threads,
+                 [&](std::size_t i) { trials[i] = trial(base, options, options.seed + i); });
+  Evaluation sum;
+  for (const Trial& trial : trials) add(trial, sum);
+  const auto by_size = [](double a, double b) { return std::abs(a) < std::abs(b); };
+  std::ranges::sort(sum.distance_errors_m, by_size);
+  std::ranges::sort(sum.nearest_errors_m, by_size);
+  return sum;
+}
+
+}  // namespace raybundle::apps

@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "occupancy_scenes.hpp"
+#include "raybundle/occupancy/monitor.hpp"
+
+namespace raybundle::apps {
+
+/// Thresholds for a sensor's points. They were chosen on scenes of the training generator only.
+MonitorOptions monitor_options_of(SensorKind kind);
+
+struct EvaluationOptions {
+  SensorKind kind = SensorKind::kStructuredLight;
+  CockpitGenerator generator = CockpitGenerator::kTraining;
+  LaserGrid grid{11, 11};
+  std::uint64_t seed = 0;  ///< of the first scene; learnt scenes must have others
+  int scenes = 1000;
+  int frames = 3;        ///< of each scene; the last one is judged
+  double frame_s = 0.1;  ///< between frames
+  MonitorOptions monitor;
+  int threads = 1;
+};
+
+/// A share of trials with its 95 % confidence interval.
+struct Share {
+  int count = 0;
+  int trials = 0;
+
+  double value() const { return trials == 0 ? 0.0 : static_cast<double>(count) / trials; }
+  double low() const { return bound(-1.0); }
+  double high() const { return bound(1.0); }
+
+ private:
+  double bound(double side) const;  ///< Wilson 1927
+};
+
+/// How the monitor did on simulated cabins.
+struct Evaluation {
+  int scenes = 0;
+  std::array<std::array<int, kCabinClasses + 1>, kCabinClasses> classes{};  ///< truth × answer; last: no answer
+  std::array<std::array<int, 4>, 3> groups{};                               ///< truth × answer; last: no answer
+  std::array<std::array<int, 4>, 3> actions{};   ///< CabinDecision × answer in that order; last: undecided
+  Share right_class, right_group, right_action;  ///< of the answers given
+  Share rejected_class, rejected_group, rejected_action;
+  /// More forceful than right, with a person or a baby seat on the seat.
+  Share dangerous;
+  Share wasted;                           ///< fired where nobody is: empty seats, empty boosters, objects
+  std::vector<double> distance_errors_m;  ///< to the nearest dot's true place, of people within 0.6 m; sorted by size
+  std::vector<double> nearest_errors_m;   ///< to the nearest place of the person, seen or not; sorted by size
+};
+
+Evaluation evaluate(const CaseBase& base, const EvaluationOptions& options);
+
+/// Tables for people.
+std::string text_from_evaluation(const std::string& title, const Evaluation& evaluation);
+
+/// JSON of it: docs/formats/occupancy.md.
+std::string json_from_evaluations(const std::vector<std::pair<std::string, Evaluation>>& evaluations);
+
+}  // namespace raybundle::apps

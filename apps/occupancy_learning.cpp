@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "occupancy_learning.hpp"
+
+#include <Eigen/Core>
+
+#include "each_index.hpp"
+#include "raybundle/synthetic/random.hpp"
+
+namespace raybundle::apps {
+
+const AttributeSet& attribute_set_of(SensorKind kind) {
+  return kind == SensorKind::kStructuredLight ? kStripes : kBoxes;
+}
+
+std::vector<SituationClass> cabin_situations() {
+  std::vector<SituationClass> situations;
+  for (int c = 0; c < kCabinClasses; ++c) {
+    const auto cabin = static_cast<CabinClass>(c);
+    SituationClass situation{std::string(kCabinClassNames[c]), static_cast<int>(group_of(cabin)), AirbagAction::kNoFire,
+                             false};
+    situation.inert =
+        cabin == CabinClass::kEmpty || cabin == CabinClass::kEmptyBooster || cabin == CabinClass::kObjects;
+    if (cabin == CabinClass::kPassenger) situation.most = AirbagAction::kFire;
+    // Somebody out of position is fired at gently at most, wherever the rays see him.
+    if (cabin == CabinClass::kOutOfPosition || cabin == CabinClass::kChildInBooster) {
+      situation.most = AirbagAction::kDepowered;
+    }
+    situations.push_back(situation);
+  }
+  return situations;
+}
+
+std::vector<std::string> cabin_groups() { return {kCabinGroupNames.begin(), kCabinGroupNames.end()}; }
+
+MeasuredScene as_in_another_car(MeasuredScene scene, const SimulatedLearning& how, std::uint64_t seed) {
+  Random random(seed, 71);
+  const auto change = [&](double most) { return random.uniform(-most, most); };
+  Eigen::Matrix3d stretch = Eigen::Matrix3d::Identity();
+  for (int i = 0; i < 3; ++i) stretch(i, i) += change(how.car_change);
+  stretch(0, 2) = change(how.car_change);
+  stretch(2, 0) = change(how.car_change);
+  const double x = change(how.car_shift_m), y = change(0.5 * how.car_shift_m), z = change(how.car_shift_m);
+  const Eigen::Vector3d shift(x, y, z);
+  scene.viewpoint_in_vehicle = stretch * scene.viewpoint_in_vehicle + shift;
+  for (ScenePoint& point : scene.points) point.x_in_vehicle = stretch * point.x_in_vehicle + shift;
+  return scene;
+}
+
+LabelledCases simulated_cases(const SimulatedLearning& how) {
+  const AttributeSet& set = attribute_set_of(how.kind);
+  LabelledCases cases{.attribute_set = std::string(set.name),
+                      .situations = cabin_situations(),
+                      .group_names = cabin_groups(),
+                      .attributes = {},
+                      .classes = {}};
+  const int copies = 1 + how.other_cars;
+  cases.attributes.resize(set.size, static_cast<Eigen::Index>(how.scenes) * copies);
+  cases.classes.resize(static_cast<std::size_t>(how.scenes) * copies);
+  for_each_index(static_cast<std::size_t>(how.scenes), how.threads, [&](std::size_t i) {
+    const SceneRequest request{how.kind, {CockpitGenerator::kTraining, how.seed + i, {}, 0.0}, how.grid};
+    const MeasuredScene scene = measured_scene(request);
+    for (int copy = 0; copy < copies; ++copy) {
+      const std::size_t n = i * copies + copy;
+      const MeasuredScene seen =
+          copy == 0 ? scene
+                    : as_in_another_car(scene, how, mixed_bits(how.seed + i) + static_cast<std::uint64_t>(copy));
+      cases.attributes.col(static_cast<Eigen::Index>(n)) = set.attributes(seen.layout, SeatPose{}, seen.scan());
+      cases.classes[n] = static_cast<std::uint8_t>(seen.truth.seat_class);
+    }
+  });
+  return cases;
+}
+
+}  // namespace raybundle::apps

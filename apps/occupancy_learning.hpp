@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "occupancy_scenes.hpp"
+#include "raybundle/occupancy/attributes.hpp"
+#include "raybundle/occupancy/learn.hpp"
+
+namespace raybundle::apps {
+
+/// The attributes that a sensor's points are described by.
+const AttributeSet& attribute_set_of(SensorKind kind);
+
+/// The classes of the simulated cabins, in the order of CabinClass, and what the airbag may do for each.
+std::vector<SituationClass> cabin_situations();
+std::vector<std::string> cabin_groups();
+
+struct SimulatedLearning {
+  SensorKind kind = SensorKind::kStructuredLight;
+  LaserGrid grid{11, 11};
+  int scenes = 4000;
+  std::uint64_t seed = 1;
+  int other_cars = 1;         ///< copies of each scene as if in another car, see as_in_another_car()
+  double car_change = 0.06;   ///< how much lengths and angles of those cars differ
+  double car_shift_m = 0.02;  ///< how much their seats are elsewhere
+  int threads = 1;
+};
+
+/// The scene stretched, sheared and shifted a little, together with the rays that measured it: another seat, another
+/// mounting, another person. Rays stay rays, so that what hides what remains true.
+MeasuredScene as_in_another_car(MeasuredScene scene, const SimulatedLearning& how, std::uint64_t seed);
+
+/// Scenes of the training generator with the seeds from `seed` on, as cases.
+LabelledCases simulated_cases(const SimulatedLearning& how);
+
+}  // namespace raybundle::apps

@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "raybundle/cockpit/cabin_scene.hpp"
+#include "raybundle/cockpit/sensor.hpp"
+#include "raybundle/occupancy/scan.hpp"
+#include "raybundle/occupancy/vehicle.hpp"
+
+namespace raybundle::apps {
+
+enum class SensorKind : std::uint8_t { kStructuredLight, kStereo };
+
+/// A simulated cabin as a sensor measured it, and the truth about it.
+struct MeasuredScene {
+  VehicleLayout layout;
+  CockpitTruth truth;
+  Eigen::Vector3d viewpoint_in_vehicle = Eigen::Vector3d::Zero();  ///< [m]
+  std::vector<ScenePoint> points;
+  std::vector<CabinPart> parts;              ///< truth, aligned with points
+  std::vector<Eigen::Vector3d> true_points;  ///< [m] in the vehicle frame, of dots, aligned with points
+  int rays = 0;
+
+  Scan scan() const { return {viewpoint_in_vehicle, points, rays, State::kOk}; }
+};
+
+/// Which scene, by which sensor. The same request gives the same bits.
+struct SceneRequest {
+  SensorKind kind = SensorKind::kStructuredLight;
+  CockpitRequest cockpit;
+  LaserGrid grid{11, 11};
+  ImageSize stereo_size{128, 128};
+};
+
+/// What the sensor measures: dots with the noise of their light and right labels, or pixels with the errors of a
+/// matcher, without its being run.
+MeasuredScene measured_scene(const SceneRequest& request);
+
+/// What whoever installs the sensor knows of the simulated car.
+VehicleLayout vehicle_layout(const CabinLayout& layout);
+
+}  // namespace raybundle::apps

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "raybundle/occupancy/attributes.hpp"
+#include "raybundle/occupancy/case_base.hpp"
+#include "raybundle/occupancy/zones.hpp"
+
+namespace raybundle {
+
+struct MonitorOptions {
+  ZoneOptions zones;
+  double sure_of_force = 0.9;    ///< votes that an action must have before it is taken for harmless
+  double sure_of_no_fire = 0.5;  ///< votes that nobody may be fired at, before that is said
+  double sure_of_group = 0.6;    ///< votes of a group before it is told
+  double least_points = 0.25;    ///< share of the rays that must end somewhere; fewer: INVALID
+  double good_points = 0.40;     ///< fewer: DEGRADED
+  int calm_frames = 3;           ///< a more forceful action must have been right for so many frames
+  double moved_sigmas = 5.0;     ///< a ray's end has moved when its range changed by more of its sigmas
+  double moving = 0.04;          ///< share of the rays on the seat that moved, above which something lives there
+};
+
+/// What one frame and those before it tell.
+struct Occupancy {
+  State state = State::kInvalid;                   ///< INVALID: the action is kUndecided, and nothing else counts
+  AirbagAction action = AirbagAction::kUndecided;  ///< the least forceful of the last frames
+  int group = -1;                                  ///< index into CaseBase::group_names; -1: unsure
+  int situation = -1;                              ///< index into CaseBase::situations; -1: unknown
+  double confidence = 0.0;                         ///< votes of that situation
+  ZoneCount zones;
+  double moving = 0.0;  ///< share of the rays on the seat whose end moved since the last frame
+  CaseVerdict verdict;
+};
+
+/// Watches a seat frame by frame: level 1 says who is there by the nearest learnt cases, level 2 where somebody is,
+/// by the zones before the dashboard; both are fused to what the airbag may do.
+///
+/// Something in the critical zone forbids to fire whoever it is. A more forceful action than no fire is only taken
+/// when the votes against it are few; votes that agree on nothing are INVALID, never a default. All memory is taken
+/// by the constructor.
+class OccupancyMonitor {
+ public:
+  /// @param rays  that the sensor has
+  /// @throws Error(kBadInput) when the base is damaged or its attributes are unknown here
+  OccupancyMonitor(const VehicleLayout& layout, CaseBase base, int rays, const MonitorOptions& options = {});
+
+  Occupancy process(const Scan& scan);
+
+  /// Forgets the frames before.
+  void restart();
+
+  const CaseBase& base() const { return base_; }
+
+ private:
+  double moving_share(const Scan& scan);
+  void vote(Occupancy& now) const;
+  AirbagAction action_of(const Occupancy& now) const;
+  AirbagAction calmed(AirbagAction now);
+
+  VehicleLayout layout_;
+  CaseBase base_;
+  const AttributeSet* attributes_;
+  MonitorOptions options_;
+  std::vector<double> last_range_m_;  ///< of each ray; NaN: it did not end
+  std::vector<double> range_m_;
+  bool first_ = true;
+  std::vector<AirbagAction> last_actions_;  ///< of the last calm_frames - 1 frames, undecided ones left out
+};
+
+}  // namespace raybundle

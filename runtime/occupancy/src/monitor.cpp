@@ -1,0 +1,125 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/occupancy/monitor.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "raybundle/geometry/error.hpp"
+
+namespace raybundle {
+namespace {
+
+const AttributeSet* attributes_of(const CaseBase& base) {
+  const AttributeSet* set = attribute_set_named(base.attribute_set);
+  if (set == nullptr || set->size != base.metric_from_attributes.cols()) {
+    throw Error(ErrorKind::kBadInput, "the base was learnt with attributes '" + base.attribute_set +
+                                          "', which this program does not make; learn it again");
+  }
+  return set;
+}
+
+}  // namespace
+
+OccupancyMonitor::OccupancyMonitor(const VehicleLayout& layout, CaseBase base, int rays, const MonitorOptions& options)
+    : layout_(layout), base_(std::move(base)), attributes_(attributes_of(base_)), options_(options) {
+  base_.check();
+  if (rays < 1 || options.calm_frames < 1) {
+    throw Error(ErrorKind::kBadInput, "a monitor needs at least one ray and one calm frame");
+  }
+  range_m_.resize(static_cast<std::size_t>(rays), NAN);
+  last_range_m_ = range_m_;
+  last_actions_.reserve(static_cast<std::size_t>(options.calm_frames));
+  restart();
+}
+
+void OccupancyMonitor::restart() {
+  first_ = true;
+  last_actions_.clear();
+}
+
+Occupancy OccupancyMonitor::process(const Scan& scan) {
+  Occupancy now;
+  const double share = static_cast<double>(scan.points.size()) / static_cast<double>(range_m_.size());
+  if (scan.state == State::kInvalid || share < options_.least_points) {
+    restart();  // what was before the gap says nothing of now
+    return now;
+  }
+  now.state = worse(scan.state, share < options_.good_points ? State::kDegraded : State::kOk);
+  now.moving = moving_share(scan);
+  now.zones = count_zones(layout_, scan, options_.zones);
+  now.verdict = classify(base_, attributes_->attributes(layout_, SeatPose{}, scan));
+  vote(now);
+  now.action = calmed(action_of(now));
+  if (now.action == AirbagAction::kUndecided) now.state = State::kInvalid;
+  return now;
+}
+
+// Share of the rays on the seat that ended elsewhere than in the last frame.
+double OccupancyMonitor::moving_share(const Scan& scan) {
+  std::ranges::fill(range_m_, NAN);
+  int both = 0, moved = 0;
+  for (const ScenePoint& point : scan.points) {
+    const double range = (point.x_in_vehicle - scan.viewpoint_in_vehicle).norm(), last = last_range_m_[point.ray];
+    range_m_[point.ray] = range;
+    const bool on_seat = std::abs(point.x_in_vehicle.y()) < layout_.zone_half_width_m &&
+                         point.x_in_vehicle.x() < layout_.dashboard_x_m - layout_.out_of_position_m / 2;
+    if (first_ || !on_seat || !std::isfinite(last)) continue;
+    ++both;
+    moved += std::abs(range - last) > options_.moved_sigmas * point.sigma_m;
+  }
+  std::swap(range_m_, last_range_m_);
+  first_ = false;
+  return both == 0 ? 0.0 : static_cast<double>(moved) / both;
+}
+
+// What moves is not inert: the votes go to the others.
+void OccupancyMonitor::vote(Occupancy& now) const {
+  std::array<double, kMostClasses>& votes = now.verdict.votes;
+  if (now.moving > options_.moving) {
+    double left = 0.0;
+    for (std::size_t c = 0; c < base_.situations.size(); ++c) {
+      if (base_.situations[c].inert) votes[c] = 0.0;
+      left += votes[c];
+    }
+    if (left <= 0.0) now.verdict.known = false;
+    for (double& vote : votes) vote = left > 0.0 ? vote / left : 0.0;
+  }
+  if (!now.verdict.known) return;
+  std::array<double, kMostClasses> groups{};
+  for (std::size_t c = 0; c < base_.situations.size(); ++c) groups[base_.situations[c].group] += votes[c];
+  now.situation = static_cast<int>(std::ranges::max_element(votes) - votes.begin());
+  now.confidence = votes[now.situation];
+  const auto group = std::ranges::max_element(groups);
+  if (*group >= options_.sure_of_group) now.group = static_cast<int>(group - groups.begin());
+}
+
+// What this frame alone says.
+AirbagAction OccupancyMonitor::action_of(const Occupancy& now) const {
+  if (now.zones.critical > 0) return AirbagAction::kNoFire;
+  if (!now.verdict.known) return AirbagAction::kUndecided;
+  std::array<double, 4> votes{};  // of the most that the situations allow
+  for (std::size_t c = 0; c < base_.situations.size(); ++c) {
+    votes[static_cast<std::size_t>(base_.situations[c].most)] += now.verdict.votes[c];
+  }
+  const double fire = votes[static_cast<std::size_t>(AirbagAction::kFire)],
+               some = fire + votes[static_cast<std::size_t>(AirbagAction::kDepowered)];
+  if (fire >= options_.sure_of_force && now.zones.out_of_position == 0) return AirbagAction::kFire;
+  if (some >= options_.sure_of_force) return AirbagAction::kDepowered;
+  return 1.0 - some >= options_.sure_of_no_fire ? AirbagAction::kNoFire : AirbagAction::kUndecided;
+}
+
+// The least forceful of the last frames: what forbids acts at once, what allows has to last.
+AirbagAction OccupancyMonitor::calmed(AirbagAction now) {
+  if (now == AirbagAction::kUndecided) return now;
+  AirbagAction least = now;
+  for (const AirbagAction before : last_actions_) least = std::min(least, before);
+  if (static_cast<int>(last_actions_.size()) + 1 >= options_.calm_frames && !last_actions_.empty()) {
+    last_actions_.erase(last_actions_.begin());
+  }
+  if (options_.calm_frames > 1) last_actions_.push_back(now);
+  return least;
+}
+
+}  // namespace raybundle

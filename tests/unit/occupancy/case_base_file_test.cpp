@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/occupancy/case_base_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include "raybundle/geometry/error.hpp"
+
+namespace raybundle {
+namespace {
+
+CaseBase small_base() {
+  CaseBase base{.attribute_set = "test",
+                .situations = {{.name = "empty", .inert = true}, {.name = "adult", .most = AirbagAction::kFire}},
+                .group_names = {"nobody", "somebody"},
+                .metric_from_attributes = Eigen::MatrixXd::Identity(2, 3),
+                .cases = Eigen::MatrixXd::Random(2, 5),
+                .classes = {0, 1, 0, 1, 1},
+                .neighbours = 3,
+                .farthest = 1.5};
+  base.situations[1].group = 1;
+  return base;
+}
+
+TEST(CaseBaseFile, BringsBackTheSameBits) {
+  const CaseBase base = small_base();
+  const std::string bytes = bytes_from_case_base(base);
+  const CaseBase back = case_base_from_bytes(bytes, "base");
+  EXPECT_EQ(bytes_from_case_base(back), bytes);
+  EXPECT_EQ(back.cases, base.cases);
+  EXPECT_EQ(back.situations[1].name, "adult");
+  EXPECT_EQ(back.situations[1].most, AirbagAction::kFire);
+  EXPECT_TRUE(back.situations[0].inert);
+}
+
+// A device must not decide by a damaged base, however small the damage.
+TEST(CaseBaseFile, EveryFlippedBitAndEveryTruncationIsRefused) {
+  const std::string bytes = bytes_from_case_base(small_base());
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+    std::string damaged = bytes;
+    damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << (bit % 8)));
+    EXPECT_THROW(case_base_from_bytes(damaged, "base"), Error) << "bit " << bit;
+  }
+  for (std::size_t length = 0; length < bytes.size(); ++length) {
+    EXPECT_THROW(case_base_from_bytes(std::string_view(bytes).substr(0, length), "base"), Error) << length;
+  }
+}
+
+TEST(CaseBaseFile, ContentThatDoesNotAgreeIsNotWritten) {
+  CaseBase base = small_base();
+  base.situations[1].group = 2;
+  EXPECT_THROW(bytes_from_case_base(base), Error);
+}
+
+}  // namespace
+}  // namespace raybundle
