@@ -35,6 +35,9 @@ void declare(CLI::App& verb, CalibrateFlags& flags) {
       ->allow_extra_args(false);
   verb.add_flag("!--no-predicted-corners", job.predict_corners, "leave out corners that only a first solve predicts");
   add_gate_flags(verb, job.gates);
+  verb.add_flag("--cross-validate", job.checks.cross_validate,
+                "solve the odd and the even frames apart and compare them; a model that does not fit shows");
+  verb.add_flag("--second-opinion", job.checks.second_opinion, "let mrcal solve the same corners, and compare");
   verb.add_flag("--json", job.json, "print report.json instead of the summary");
   CalibrateOptions::for_each_option(
       job.options, [&]<typename T>(const char* name, const char* unit, const char* help, T& value) {

@@ -4,8 +4,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <iterator>
 
 #include "calibration_summary.hpp"
 #include "data_warnings.hpp"
@@ -197,6 +199,10 @@ void run_calibration(const CalibrateJob& job) {
   ReportExtra extra{images.unused, provenance_of(job, options, images), sections_of(judgements, result)};
   extra.sections.push_back(pictures_section(problem, result));
   result.stages.push_back({"judge", now() - judge_begin});
+  const double check_begin = now();
+  const CheckFindings checked = run_extra_checks(job.checks, problem, result, options);
+  std::ranges::copy(checked.sections, std::back_inserter(extra.sections));
+  if (!checked.sections.empty()) result.stages.push_back({"check", now() - check_begin});
   const std::string report = write_all(job, problem, result, extra);
   const bool failed = judgements.verdict.grade == Grade::kFail;
   if (job.json) {
@@ -204,7 +210,7 @@ void run_calibration(const CalibrateJob& job) {
     if (failed) throw GateFailed{};
     return;
   }
-  fmt::print("{}{}", summary_text(problem, result, images.unused), text_of(judgements));
+  fmt::print("{}{}{}", summary_text(problem, result, images.unused), text_of(judgements), checked.text);
   fmt::print("\nwrote {0}/calibration.json, {0}/report.json\nlook  {0}/report.html\n", job.output);
   fmt::print("next  {}\n", job.next.empty() ? next_command(job, result) : job.next);
   if (failed) throw GateFailed{};

@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "extra_checks.hpp"
 #include "gates.hpp"
 #include "input_flags.hpp"
 #include "raybundle/scene/result.hpp"
@@ -20,6 +21,7 @@ struct CalibrateJob {
   std::string start;  ///< a calibration.json whose values the cameras of the same names start from
   bool predict_corners = true;
   GateFlags gates;
+  ExtraChecks checks;
   std::string output = "calibration";  ///< folder
   bool json = false;
   std::string command;  ///< for the provenance

@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "extra_checks.hpp"
+
+#include <fmt/format.h>
+
+#include "comparison_text.hpp"
+#include "raybundle/calibrate/cross_validation.hpp"
+#include "raybundle/uncertainty/second_opinion.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kVerdicts[] = {"agree", "agree_by_frames", "model_error",
+                                     "too_few_frames"};  // as the enumeration
+
+void add_cross_validation(const CalibrationProblem& problem, const CalibrationResult& result,
+                          const CalibrateOptions& options, CheckFindings& findings) {
+  const CrossValidation found = cross_validate(problem, result, options);
+  Json trials = Json::array();
+  for (const ModelTrial& trial : found.trials) {
+    trials.push_back({{"camera", trial.camera},
+                      {"model", trial.model},
+                      {"share_within", trial.share_within},
+                      {"rms_px", trial.rms_px},
+                      {"agrees", trial.agrees}});
+  }
+  Json json{{"verdict", kVerdicts[static_cast<int>(found.verdict)]}, {"words", found.words}, {"trials", trials}};
+  if (found.by_corners) json["by_corners"] = json_from_comparison(*found.by_corners);
+  if (found.by_frames) json["by_frames"] = json_from_comparison(*found.by_frames);
+  findings.sections.push_back({"cross_validation", json.dump()});
+  findings.text += "cross-validation: " + found.words + "\n";
+}
+
+void add_second_opinion(const CalibrationProblem& problem, const CalibrationResult& result, CheckFindings& findings) {
+  const SecondOpinion opinion = second_opinion(problem, result);
+  if (!opinion.calibration) {
+    findings.sections.push_back({"second_opinion", Json{{"why_not", opinion.why_not}}.dump()});
+    findings.text += "second opinion: there is none: " + opinion.why_not + "\n";
+    return;
+  }
+  const CalibrationComparison comparison = compare(result.calibration, *opinion.calibration);
+  Json json{{"source", opinion.source}, {"rms_px", opinion.rms_px}, {"comparison", json_from_comparison(comparison)}};
+  findings.sections.push_back({"second_opinion", json.dump()});
+  findings.text += fmt::format("second opinion: {}, rms {:.3f} px:", opinion.source, opinion.rms_px);
+  for (const ProjectionDifference& d : comparison.projections) {
+    findings.text += fmt::format(" {} projects at most {:.4f} px apart,", d.camera, d.largest_px);
+  }
+  findings.text.back() = '\n';
+}
+
+}  // namespace
+
+CheckFindings run_extra_checks(const ExtraChecks& checks, const CalibrationProblem& problem,
+                               const CalibrationResult& result, const CalibrateOptions& options) {
+  CheckFindings findings;
+  if (checks.cross_validate) add_cross_validation(problem, result, options, findings);
+  if (checks.second_opinion) add_second_opinion(problem, result, findings);
+  return findings;
+}
+
+}  // namespace raybundle::apps
