@@ -35,7 +35,7 @@ export function plot({ aspect, label, draw }) {
 
 /** Pixels of a canvas for each CSS pixel. */
 export function pixelScale() {
-  return printing ? 3 : Math.max(1, window.devicePixelRatio || 1);
+  return printing ? 2 : Math.max(1, window.devicePixelRatio || 1);
 }
 
 /** Lets a drawing {canvas, redraw, marks} follow its width and answer the pointer. It is drawn when it nears the screen. */

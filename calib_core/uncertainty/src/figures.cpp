@@ -97,6 +97,7 @@ Figure figure_of(const Requirement& requirement, const Subject& subject, const C
     return figure;
   }
   std::optional<ProjectionUncertainty> lens;
+  if (requirement.quantity == Quantity::kProjection && !first.evidence) return figure;
   if (requirement.quantity == Quantity::kProjection) lens = projection_uncertainty(first, covariance);
   int unseen = 0;
   for (const Eigen::Vector2d& pixel : places(requirement, first.camera, columns, figure)) {

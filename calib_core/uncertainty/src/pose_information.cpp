@@ -36,6 +36,7 @@ PoseInformation pose_information(const Calibration& calibration, const std::vect
   PoseInformation sum{Eigen::MatrixXd::Zero(columns, columns), Eigen::VectorXd::Zero(columns)};
   Eigen::Index rows = 0;
   for (const ViewData& view : views) rows += 2 * view.pixel.rows();
+  if (rows == 0) return sum;
   Eigen::MatrixXd by_pose(rows, 6), by_all = Eigen::MatrixXd::Zero(rows, columns + 1);  // last column: the residual
   Eigen::Index row = 0;
   for (const ViewData& view : views) {

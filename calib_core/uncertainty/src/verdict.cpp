@@ -224,6 +224,9 @@ Verdict verdict(const CalibrationProblem& problem, const CalibrationResult& resu
       }
       all.push_back(std::move(judgement));
     }
+    // Of a rig all around, only cameras that look at the same things are meant.
+    const auto unknown = [](const Judgement& judgement) { return !std::isfinite(judgement.value); };
+    if (requirement.quantity == Quantity::kDepth && !std::ranges::all_of(all, unknown)) std::erase_if(all, unknown);
     if (all.empty()) all.push_back(unjudged(requirement, "the rig", "nothing in it tells this"));
     for (Judgement& judgement : all) {
       verdict.grade = std::max(verdict.grade.value_or(Grade::kPass), judgement.grade);
