@@ -182,7 +182,8 @@ void add_structured_light_reconstruction(CLI::App& reconstruct) {
       "Example:\n"
       "  raybundle simulate datasets/rigs/rig_26mm_laser.toml --frames 60 --seed 7 -o sim\n"
       "  raybundle calibrate sim/dataset.toml -o out\n"
-      "  raybundle reconstruct structured-light out/calibration.json sim/camera_0_on.png --off sim/camera_0_off.png "
+      "  raybundle reconstruct structured-light out/calibration.json sim/images/camera/000_on.png "
+      "--off sim/images/camera/000_off.png "
       "-o points");
   verb->callback([flags] { run(*flags); });
 }

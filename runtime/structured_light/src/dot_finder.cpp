@@ -66,7 +66,7 @@ void DotFinder::smooth() {
   }
 }
 
-// Places that outshine eight places of a ring around them, and their neighbours.
+// Places that outshine every pair of opposite places of a ring around them, and their neighbours.
 void DotFinder::find_peaks(const GreyView& on, bool difference) {
   peaks_.clear();
   const double pixels = difference ? 2.0 : 1.0;  // that make a value's noise
@@ -78,10 +78,13 @@ void DotFinder::find_peaks(const GreyView& on, bool difference) {
   for (int v = kRing + 1; v < height_ - kRing - 1; ++v) {
     const std::int16_t* s = smooth_.data() + v * w;
     for (int u = kRing + 1; u < width_ - kRing - 1; ++u) {
-      const auto cross = std::max(std::max(s[u - kRing], s[u + kRing]), std::max(s[u - kRing * w], s[u + kRing * w]));
-      const auto corners = std::max(std::max(s[u - kDiagonal * w - kDiagonal], s[u - kDiagonal * w + kDiagonal]),
-                                    std::max(s[u + kDiagonal * w - kDiagonal], s[u + kDiagonal * w + kDiagonal]));
-      signal_[u] = static_cast<std::int16_t>(s[u] - std::max(cross, corners));
+      // Means of opposite places: a slope leaves them alone, an edge or a ridge lifts the pair along it.
+      const auto pair = [s, u](std::ptrdiff_t step) {
+        return static_cast<std::int16_t>((s[u - step] >> 1) + (s[u + step] >> 1));
+      };
+      const std::int16_t straight = std::max(pair(kRing), pair(kRing * w));
+      const std::int16_t diagonal = std::max(pair(kDiagonal * w + kDiagonal), pair(kDiagonal * w - kDiagonal));
+      signal_[u] = static_cast<std::int16_t>(s[u] - std::max(straight, diagonal));
     }
     for (int u = kRing + 1; u < width_ - kRing - 1; ++u) {
       if (signal_[u] < least) continue;

@@ -11,8 +11,6 @@
 namespace raybundle {
 namespace {
 
-constexpr FileKind kKind{"RBSLTABL", 1, "structured-light table",
-                         "raybundle export CALIBRATION --runtime structured-light -o FILE"};
 constexpr int kMostPixels = 1 << 15, kMostBeams = 1 << 14, kMostTests = 1 << 12;
 
 template <typename Derived>
@@ -136,11 +134,11 @@ std::string bytes_from_table(const SensorTable& table) {
     put_count(writer, test.beam);
     writer.value(test.depth_m);
   }
-  return checked_file(kKind, writer.bytes());
+  return checked_file(kTableKind, writer.bytes());
 }
 
 SensorTable table_from_bytes(std::string_view bytes, const std::string& where) {
-  ByteReader reader(checked_payload(kKind, bytes, where), where);
+  ByteReader reader(checked_payload(kTableKind, bytes, where), where);
   SensorTable table;
   table.serial = serial_of(bytes);
   reader.text();  // units: for people
@@ -170,6 +168,6 @@ SensorTable read_table(const std::filesystem::path& path) {
   return table_from_bytes(text_of_file(path), path.string());
 }
 
-bool is_table(std::string_view bytes) { return bytes.starts_with(std::string_view(kKind.magic, 8)); }
+bool is_table(std::string_view bytes) { return bytes.starts_with(std::string_view(kTableKind.magic, 8)); }
 
 }  // namespace raybundle

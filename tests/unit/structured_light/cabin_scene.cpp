@@ -93,8 +93,8 @@ std::vector<SceneDot> dots_in(const CabinScene& scene, const RigCamera& camera, 
   const Eigen::Vector3d eye = camera.camera_from_rig.inverse().translation;
   const double width = camera.camera.size.width - 1, height = camera.camera.size.height - 1;
   std::vector<SceneDot> dots;
-  const auto add = [&](const Eigen::Vector2d& pixel, int beam) {
-    SceneDot dot{.dot = {}, .beam = beam};
+  const auto add = [&](const Eigen::Vector2d& pixel, int beam, const Eigen::Vector3d& x_in_camera) {
+    SceneDot dot{.dot = {}, .beam = beam, .x_in_camera = x_in_camera};
     const double u = random.normal(), v = random.normal();
     dot.dot.pixel = pixel + options.sigma_px * Eigen::Vector2d(u, v);
     const double sigma = std::max(options.sigma_px, 0.02);
@@ -105,16 +105,17 @@ std::vector<SceneDot> dots_in(const CabinScene& scene, const RigCamera& camera, 
   for (const EmittedBeam& beam : beams) {
     const auto hit = scene.first_hit(beam.line, 0.02);
     if (!hit || !scene.visible(eye, beam.line.at(*hit))) continue;
-    const auto pixel = pixel_from_ray(camera.camera, camera.camera_from_rig * beam.line.at(*hit));
+    const Eigen::Vector3d x_in_camera = camera.camera_from_rig * beam.line.at(*hit);
+    const auto pixel = pixel_from_ray(camera.camera, x_in_camera);
     if (pixel && !random.chance(options.missed)) {
-      add(*pixel, beam.labelled() ? grid.index(beam.row, beam.column) : kUnlabelled);
+      add(*pixel, beam.labelled() ? grid.index(beam.row, beam.column) : kUnlabelled, x_in_camera);
     }
   }
   const std::size_t seen = dots.size();
   for (std::size_t i = 0; i < seen; ++i) {
     if (!random.chance(options.spurious)) continue;
     const double u = random.uniform(0.0, width), v = random.uniform(0.0, height);
-    add({u, v}, kUnlabelled);
+    add({u, v}, kUnlabelled, Eigen::Vector3d::Zero());
   }
   for (std::size_t i = dots.size(); i > 1; --i) std::swap(dots[i - 1], dots[random.below(static_cast<int>(i))]);
   return dots;

@@ -50,7 +50,8 @@ class CabinScene {
 /// A dot with the beam that made it, or kUnlabelled for one that no beam made.
 struct SceneDot {
   Dot dot;
-  int beam = kUnlabelled;  ///< LaserGrid::index
+  int beam = kUnlabelled;                                 ///< LaserGrid::index
+  Eigen::Vector3d x_in_camera = Eigen::Vector3d::Zero();  ///< of a beam's dot [m]
 };
 
 struct SceneDotOptions {

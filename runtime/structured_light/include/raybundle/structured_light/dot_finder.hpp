@@ -23,10 +23,10 @@ struct DotFinderOptions {
 /// Finds laser dots: spots that are brighter than what is around them on all sides. Edges of sunlight and shadows,
 /// ridges, single hot pixels and reflexes too large for a dot are none.
 ///
-/// Two passes: at half the resolution, places brighter than a ring around them; at full resolution, the centre by a
-/// weighted mean whose weights fall smoothly to zero and which lie on the centre itself, so that neither the window's
-/// rim nor its place in the pixel grid pulls at it. Its covariance is that of shot noise, read noise and the unrest of
-/// the surroundings.
+/// Two passes: at half the resolution, places brighter than opposite places on a ring around them; at full resolution,
+/// the centre by a weighted mean whose weights fall smoothly to zero and which lie on the centre itself, so that
+/// neither the window's rim nor its place in the pixel grid pulls at it. Its covariance is that of shot noise, read
+/// noise and the unrest of the surroundings.
 class DotFinder {
  public:
   /// All memory is taken here.

@@ -6,9 +6,13 @@
 #include <string>
 #include <string_view>
 
+#include "raybundle/device/checked_file.hpp"
 #include "raybundle/structured_light/sensor_table.hpp"
 
 namespace raybundle {
+
+inline constexpr FileKind kTableKind{"RBSLTABL", 1, "structured-light table",
+                                     "raybundle export CALIBRATION --runtime structured-light -o FILE"};
 
 /// The bytes of a table's file. The format: docs/formats/structured_light_table.md.
 std::string bytes_from_table(const SensorTable& table);

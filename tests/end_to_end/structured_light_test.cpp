@@ -1,0 +1,169 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "eye_safety_limits.hpp"
+#include "mesh_files.hpp"
+#include "program.hpp"
+#include "raybundle/geometry/error.hpp"
+
+namespace raybundle::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+using apps::kSafetyEditions;
+using apps::safety_limit;
+
+// The figures of Boverie, Devy, Lerasle 2006, section 2.2: 0.78 mW, and "a factor 2" more for shorter pulses.
+TEST(EyeSafety, GivesThePublishedFigures) {
+  EXPECT_NEAR(1e3 * safety_limit({.wavelength_nm = 850, .pulse_s = 1e-3, .rate_Hz = 100}, kSafetyEditions[0]).least_W(),
+              0.785, 0.0005);
+  EXPECT_NEAR(1e3 * safety_limit({.wavelength_nm = 850, .pulse_s = 1e-4, .rate_Hz = 100}, kSafetyEditions[0]).least_W(),
+              1.397, 0.0005);
+}
+
+TEST(EyeSafety, NeverAllowsMoreThanItsAverageAndASinglePulse) {
+  for (const auto& edition : kSafetyEditions) {
+    for (const double pulse_s : {1e-8, 1e-6, 1e-4, 1e-2}) {
+      const auto limit = safety_limit({.wavelength_nm = 830, .pulse_s = pulse_s, .rate_Hz = 50}, edition);
+      EXPECT_LE(limit.least_W(), limit.single_pulse_W);
+      EXPECT_LE(limit.least_W(), limit.average_W);
+      EXPECT_GT(limit.least_W(), 0.0);
+    }
+  }
+  EXPECT_THROW(safety_limit({.wavelength_nm = 650}, kSafetyEditions[0]), Error);
+  EXPECT_THROW(safety_limit({.pulse_s = 0.1, .rate_Hz = 20}, kSafetyEditions[0]), Error);
+}
+
+TEST(EyeSafety, CountsBeamsThatEnterAnApertureTogether) {
+  const auto beam = [](double angle) { return Line3{Eigen::Vector3d::Zero(), {std::sin(angle), 0, std::cos(angle)}}; };
+  EXPECT_EQ(apps::beams_in_aperture({beam(0.0), beam(0.15), beam(0.3)}), 1);
+  EXPECT_EQ(apps::beams_in_aperture({beam(0.0), beam(0.06), beam(0.3)}), 2);  // 6 mm apart at 100 mm
+  EXPECT_EQ(apps::beams_in_aperture({beam(0.0), beam(0.03), beam(0.06), beam(0.09)}), 3);
+}
+
+TEST(EyeSafety, JudgesAPowerByItsExitCode) {
+  const std::vector<std::string> drive{"eye-safety", "--edition", "1993", "--wavelength", "850", "--power"};
+  const auto run = [&](const char* power) {
+    std::vector<std::string> arguments = drive;
+    arguments.emplace_back(power);
+    return raybundle_program(arguments);
+  };
+  EXPECT_EQ(run("0.7").exit_code, 0);
+  const ProgramRun above = run("0.9");
+  EXPECT_EQ(above.exit_code, 1);
+  EXPECT_NE(above.out.find("not a compliance verdict"), std::string::npos);
+  EXPECT_EQ(raybundle_program({"eye-safety"}).exit_code, 2);  // the edition is never assumed
+}
+
+TEST(MeshFiles, HoldWhatTheySay) {
+  const apps::PointMesh mesh{
+      .points = {{0, 0, 1}, {1, 0, 1}, {0, 1, 1}}, .triangles = {{0, 2, 1}}, .names = {"row"}, .numbers = {{4, 5, 6}}};
+  const std::string ply = apps::ply_from(mesh);
+  EXPECT_NE(ply.find("element vertex 3\n"), std::string::npos);
+  EXPECT_NE(ply.find("\n1 0 1 5\n"), std::string::npos);
+  EXPECT_TRUE(ply.ends_with("3 0 2 1\n"));
+  const std::string glb = apps::glb_from(mesh);
+  ASSERT_EQ(glb.substr(0, 4), "glTF");
+  std::uint32_t length = 0, json_length = 0;
+  std::memcpy(&length, glb.data() + 8, 4);
+  std::memcpy(&json_length, glb.data() + 12, 4);
+  EXPECT_EQ(length, glb.size());
+  const auto gltf = nlohmann::json::parse(glb.substr(20, json_length));
+  EXPECT_EQ(gltf["accessors"][0]["count"], 3);
+  EXPECT_EQ(gltf["accessors"][1]["count"], 3);
+  EXPECT_EQ(gltf["buffers"][0]["byteLength"], 3 * 12 + 3 * 4);
+  EXPECT_EQ(gltf["scenes"][0]["nodes"][0], 0);
+  EXPECT_EQ(gltf["meshes"][0]["primitives"][0]["mode"], 4);
+  EXPECT_EQ(nlohmann::json::parse(apps::glb_from({}).substr(20))["asset"]["version"], "2.0");
+}
+
+/// A simulated sensor and images of a board before it.
+class StructuredLightProgram : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fresh_folder();
+    const std::string rig = RAYBUNDLE_SOURCE_DIR "/datasets/rigs/rig_26mm_laser.toml";
+    const ProgramRun run =
+        raybundle_program({"simulate", rig, "--frames", "2", "--seed", "3", "-o", (folder_ / "sim").string()});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    for (const auto& entry : fs::directory_iterator(folder_ / "sim/images/camera")) {
+      const std::string name = entry.path().filename().string();
+      if (name.find("_on") != std::string::npos) on_.push_back(entry.path().string());
+      if (name.find("_off") != std::string::npos) off_.push_back(entry.path().string());
+    }
+    std::ranges::sort(on_);
+    std::ranges::sort(off_);
+    ASSERT_EQ(on_.size(), 2u);
+    truth_ = (folder_ / "sim/truth/calibration.json").string();
+  }
+
+  ProgramRun reconstruct(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), {"reconstruct", "structured-light"});
+    arguments.insert(arguments.end(), {"-o", (folder_ / "points").string()});
+    return raybundle_program(arguments);
+  }
+
+  fs::path folder_;
+  std::vector<std::string> on_, off_;
+  std::string truth_;
+};
+
+TEST_F(StructuredLightProgram, TurnsImagesIntoPointsByCalibrationAndByTable) {
+  const std::string table = (folder_ / "sensor.rbsl").string();
+  const ProgramRun exported =
+      raybundle_program({"export", truth_, "--runtime", "structured-light", "-o", table, "--json"});
+  ASSERT_EQ(exported.exit_code, 0) << exported.err;
+  EXPECT_LT(nlohmann::json::parse(exported.out)["ray_error_rad"], 1e-5);
+  const std::string name = fs::path(on_[0]).stem().string();
+  const ProgramRun run = reconstruct({table, on_[0], "--off", off_[0]});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json points = json_of(folder_ / "points" / (name + ".json"));
+  EXPECT_GT(points["points"].size(), 5u);
+  for (const nlohmann::json& point : points["points"]) {
+    EXPECT_GE(point["x_in_camera_m"][2], 0.15);
+    EXPECT_LE(point["x_in_camera_m"][2], 1.5);
+  }
+  for (const char* ending : {".ply", ".glb", ".html"}) {
+    EXPECT_TRUE(fs::exists(folder_ / "points" / (name + ending))) << ending;
+  }
+  const ProgramRun again = reconstruct({truth_, on_[0], "--off", off_[0]});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(json_of(folder_ / "points" / (name + ".json"))["points"], points["points"]);
+}
+
+TEST_F(StructuredLightProgram, TakesImagesAsTheyComeIntoAFolder) {
+  fs::create_directory(folder_ / "live");
+  for (const std::string& image : on_) fs::copy(image, folder_ / "live");
+  const ProgramRun run = reconstruct({truth_, "--watch", (folder_ / "live").string(), "--frames", "2"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  for (const std::string& image : on_) {
+    EXPECT_TRUE(fs::exists(folder_ / "points" / (fs::path(image).stem().string() + ".json"))) << image;
+  }
+}
+
+TEST_F(StructuredLightProgram, SaysWhatIsWrongWithItsInput) {
+  const auto says = [&](std::vector<std::string> arguments, int exit_code, const char* words) {
+    const ProgramRun run = reconstruct(std::move(arguments));
+    EXPECT_EQ(run.exit_code, exit_code) << run.err;
+    EXPECT_NE(run.err.find(words), std::string::npos) << run.err;
+  };
+  says({truth_}, 2, "give images");
+  says({truth_, on_[0], "--off", off_[0], off_[1]}, 2, "as many");
+  says({truth_, "nothing*.png"}, 5, "nothing*.png");
+  write_text(folder_ / "cut.rbsl", "RBSLTABL and no more");
+  says({(folder_ / "cut.rbsl").string(), on_[0]}, 2, "structured-light table");
+  const std::string plain = (folder_ / "plain.json").string();
+  nlohmann::json calibration = json_of(truth_);
+  calibration.erase("laser");
+  write_text(plain, calibration.dump());
+  says({plain, on_[0]}, 2, "no laser beams");
+  EXPECT_FALSE(fs::exists(folder_ / "points"));
+}
+
+}  // namespace
+}  // namespace raybundle::testing

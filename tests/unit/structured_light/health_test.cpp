@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/structured_light/health.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include "raybundle/structured_light/structured_light.hpp"
+#include "worlds.hpp"
+
+namespace raybundle {
+namespace {
+
+using testing::sensor_world;
+using testing::SensorWorld;
+
+// Dots of a projector that was turned after its calibration, in a room of random depths.
+std::vector<Dot> dots_of(const SensorWorld& world, const Eigen::Vector3d& turn, Random& random) {
+  std::vector<Dot> dots;
+  const Eigen::Vector3d centre = world.rig.emitter->rig_from_emitter.translation;
+  const double angle = turn.norm();
+  const Eigen::Matrix3d turned =
+      angle > 0.0 ? Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix() : Eigen::Matrix3d::Identity();
+  for (const EmittedBeam& beam : world.beams) {
+    if (!beam.labelled()) continue;
+    const Line3 line{centre + turned * (beam.line.point - centre), turned * beam.line.direction};
+    const auto pixel = pixel_from_ray(world.camera.camera, line.at(random.uniform(0.5, 1.2)));
+    if (!pixel || pixel->x() < 5 || pixel->y() < 5 || pixel->x() > 634 || pixel->y() > 474) continue;
+    const double u = 0.1 * random.normal(), v = 0.1 * random.normal();
+    dots.push_back({*pixel + Eigen::Vector2d(u, v), 0.01 * Eigen::Matrix2d::Identity()});
+  }
+  return dots;
+}
+
+TEST(Health, StaysQuietWhileNothingChanges) {
+  const SensorWorld world = sensor_world({11, 11}, 12.0);
+  const SensorTable table = sensor_table(world.calibration, "", {}, "a test");
+  StructuredLight sensor(table);
+  Random random(2);
+  for (int frame = 0; frame < 100; ++frame) {
+    const LaserFrame& seen = sensor.process(dots_of(world, Eigen::Vector3d::Zero(), random));
+    ASSERT_EQ(seen.state, State::kOk) << "frame " << frame << ", statistic " << seen.health.statistic;
+    EXPECT_NEAR(seen.health.noise, 1.0, 0.2);
+  }
+}
+
+TEST(Health, TellsATurnOfATwentiethOfAPixelAndKeepsTelling) {
+  const SensorWorld world = sensor_world({11, 11}, 12.0);
+  const SensorTable table = sensor_table(world.calibration, "", {}, "a test");
+  StructuredLight sensor(table);
+  Random random(3);
+  for (int frame = 0; frame < 20; ++frame) sensor.process(dots_of(world, Eigen::Vector3d::Zero(), random));
+  const Eigen::Vector3d turn(0.05 / 282.0, 0, 0);
+  State state = State::kOk;
+  for (int frame = 0; frame < 10; ++frame) state = sensor.process(dots_of(world, turn, random)).state;
+  EXPECT_EQ(state, State::kInvalid);
+  const LaserFrame& after = sensor.process(dots_of(world, turn, random));
+  EXPECT_NEAR(after.health.turn_rad.x(), turn.x(), 4.0 * after.health.turn_sigma_rad.x());
+  for (int frame = 0; frame < 20; ++frame) state = sensor.process(dots_of(world, {0, 0, 0}, random)).state;
+  EXPECT_EQ(state, State::kInvalid);  // an alarm stays until the sensor is started again
+}
+
+TEST(Health, IsDegradedWithoutDots) {
+  const SensorWorld world = sensor_world({11, 11}, 12.0);
+  const SensorTable table = sensor_table(world.calibration, "", {}, "a test");
+  const BeamSet beams(table);
+  Health health(beams, {});
+  EXPECT_EQ(health.update({}).state, State::kDegraded);
+}
+
+}  // namespace
+}  // namespace raybundle
