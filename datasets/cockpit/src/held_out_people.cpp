@@ -107,7 +107,8 @@ struct Flesh {
 
   void add(const Eigen::Vector3d& centre, const Eigen::Quaterniond& axes, const Eigen::Vector3d& semi, CabinPart part,
            const CabinMaterial& material) {
-    meshes.push_back(placed(ellipsoid(semi), {axes, centre}, part, material));
+    const int longitudes = part == CabinPart::kHead ? 28 : semi.minCoeff() > 0.09 ? 24 : 14;  // as fine as it is thick
+    meshes.push_back(placed(ellipsoid(semi, longitudes), {axes, centre}, part, material));
   }
 
   // A chain of overlapping ellipsoids from joint to joint, thickest near the first one.

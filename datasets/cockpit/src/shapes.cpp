@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shapes.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace raybundle {
@@ -51,13 +50,18 @@ CabinMesh round_cone(double length_m, double radius_m, double end_radius_m) {
   });
 }
 
-CabinMesh rounded_box(const Eigen::Vector3d& semi_axes_m, double roundness) {
-  return grid_mesh(24, 14, [&](double u, double v) {
-    const double longitude = 2 * M_PI * u, latitude = M_PI * (v - 0.5);
-    const double ring = signed_power(std::cos(latitude), roundness);
-    return Eigen::Vector3d(semi_axes_m.x() * ring * signed_power(std::cos(longitude), roundness),
-                           semi_axes_m.y() * ring * signed_power(std::sin(longitude), roundness),
-                           semi_axes_m.z() * signed_power(std::sin(latitude), roundness));
+CabinMesh rounded_box(const Eigen::Vector3d& semi_axes_m, double roundness, int longitudes) {
+  const int latitudes = longitudes / 2;
+  const auto rounded = [roundness](double angle) {
+    return Eigen::Vector2d(signed_power(std::cos(angle), roundness), signed_power(std::sin(angle), roundness));
+  };
+  std::vector<Eigen::Vector2d> around, upwards;
+  for (int i = 0; i <= longitudes; ++i) around.push_back(rounded(2 * M_PI * i / longitudes));
+  for (int i = 0; i <= latitudes; ++i) upwards.push_back(rounded(M_PI * i / latitudes - 0.5 * M_PI));
+  return grid_mesh(longitudes, latitudes, [&](double u, double v) -> Eigen::Vector3d {
+    const Eigen::Vector2d& at = around[static_cast<std::size_t>(std::lround(u * longitudes))];
+    const Eigen::Vector2d& ring = upwards[static_cast<std::size_t>(std::lround(v * latitudes))];
+    return semi_axes_m.cwiseProduct(Eigen::Vector3d(ring.x() * at.x(), ring.x() * at.y(), ring.y()));
   });
 }
 

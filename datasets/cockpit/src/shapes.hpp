@@ -21,10 +21,13 @@ CabinMesh round_cone(double length_m, double radius_m, double end_radius_m);
 
 /// A box with round edges around the origin. Source: Barr 1981, superquadrics.
 ///
-/// @param roundness  1: an ellipsoid; towards 0: a box
-CabinMesh rounded_box(const Eigen::Vector3d& semi_axes_m, double roundness);
+/// @param roundness   1: an ellipsoid; towards 0: a box
+/// @param longitudes  of the mesh, even
+CabinMesh rounded_box(const Eigen::Vector3d& semi_axes_m, double roundness, int longitudes = 28);
 
-inline CabinMesh ellipsoid(const Eigen::Vector3d& semi_axes_m) { return rounded_box(semi_axes_m, 1.0); }
+inline CabinMesh ellipsoid(const Eigen::Vector3d& semi_axes_m, int longitudes = 28) {
+  return rounded_box(semi_axes_m, 1.0, longitudes);
+}
 
 /// A line of x and z, swept along y.
 CabinMesh swept(const Polyline& line_xz, double y_from, double y_to);
