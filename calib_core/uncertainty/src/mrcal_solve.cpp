@@ -4,7 +4,9 @@
 
 #ifdef RAYBUNDLE_WITH_MRCAL
 
+extern "C" {
 #include <mrcal/mrcal.h>
+}
 
 #include <cmath>
 
