@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "calibration_sigma.hpp"
+#include "raybundle/stereo/rectification.hpp"
+#include "raybundle/stereo/stereo.hpp"
+
+namespace raybundle {
+
+/// Triangulates a disparity image. With k = 1 / disparity (pinhole) or cot(disparity / focal) (equirectangular),
+///
+///   distance = scale[u] k + offset[u],   |d distance / d disparity| = slope[u] (k² + curve)
+///   point = distance (x[u], across[u] y[v], across[u] z[v])
+class Cloud {
+ public:
+  Cloud(const Rectification& pair, const CalibrationSigma& calibration, double match_sigma_px);
+
+  void triangulate_row(int v, const float* disparity_px, StereoPoint* points) const;
+
+ private:
+  bool pinhole_;
+  float focal_px_;
+  float curve_;
+  float relative_baseline_variance_;
+  std::vector<float> scale_, offset_, slope_, x_, across_;  // for each column
+  std::vector<float> y_, z_;                                // for each row
+  std::vector<float> disparity_variance_;                   // for each pixel [px²]
+};
+
+}  // namespace raybundle

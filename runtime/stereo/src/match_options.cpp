@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/stereo/match_options.hpp"
+
+namespace raybundle {
+namespace {
+
+template <typename Keep>
+CensusMask square_mask(int side_px, Keep&& keep) {
+  CensusMask mask;
+  const int radius = side_px / 2;
+  for (int y = -radius; y <= radius; ++y) {
+    for (int x = -radius; x <= radius; ++x) {
+      if ((x != 0 || y != 0) && keep(x, y)) mask.push_back({x, y});
+    }
+  }
+  return mask;
+}
+
+}  // namespace
+
+std::string_view measure_name(Measure measure) {
+  constexpr std::string_view kNames[] = {"census", "zncc", "ssd"};
+  return kNames[static_cast<int>(measure)];
+}
+
+CensusMask dense_census(int side_px) {
+  return square_mask(side_px, [](int, int) { return true; });
+}
+
+CensusMask sparse_census(int side_px) {
+  return square_mask(side_px, [](int x, int y) { return (x + y) % 2 != 0; });
+}
+
+}  // namespace raybundle
