@@ -14,6 +14,7 @@ void add_detect_verb(CLI::App& app);
 void add_calibrate_verb(CLI::App& app);
 void add_validate_verb(CLI::App& app);
 void add_compare_verb(CLI::App& app);
+void add_survey_verb(CLI::App& app);
 void add_report_verb(CLI::App& app);
 void add_project_verb(CLI::App& app);
 void add_unproject_verb(CLI::App& app);
@@ -26,8 +27,8 @@ void add_doctor_verb(CLI::App& app);
 
 /// The one list of verbs, in the order of --help.
 inline constexpr void (*kVerbs[])(CLI::App&) = {
-    add_target_verb,      add_detect_verb,     add_calibrate_verb, add_validate_verb, add_compare_verb,
-    add_report_verb,      add_project_verb,    add_unproject_verb, add_simulate_verb, add_export_verb,
-    add_reconstruct_verb, add_eye_safety_verb, add_demo_verb,      add_doctor_verb};
+    add_target_verb, add_detect_verb,      add_calibrate_verb,  add_validate_verb,  add_compare_verb,
+    add_survey_verb, add_report_verb,      add_project_verb,    add_unproject_verb, add_simulate_verb,
+    add_export_verb, add_reconstruct_verb, add_eye_safety_verb, add_demo_verb,      add_doctor_verb};
 
 }  // namespace raybundle::apps

@@ -14,4 +14,5 @@ find_package(OpenSSL 3 REQUIRED COMPONENTS Crypto)  # SHA-256
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(cairo REQUIRED IMPORTED_TARGET cairo)
 find_package(AprilTag REQUIRED)
+find_package(GeographicLib REQUIRED)
 find_package(Mrcal)  # optional: a second opinion on calibrations

@@ -13,7 +13,7 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/RaybundleConfigVersion.cm
 install(FILES
   ${PROJECT_BINARY_DIR}/RaybundleConfig.cmake ${PROJECT_BINARY_DIR}/RaybundleConfigVersion.cmake
   ${CMAKE_CURRENT_LIST_DIR}/RaybundleDependencies.cmake ${CMAKE_CURRENT_LIST_DIR}/FindAprilTag.cmake
-  ${CMAKE_CURRENT_LIST_DIR}/FindMrcal.cmake
+  ${CMAKE_CURRENT_LIST_DIR}/FindMrcal.cmake ${CMAKE_CURRENT_LIST_DIR}/FindGeographicLib.cmake
   DESTINATION ${package_folder})
 
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION share/doc/raybundle)

@@ -1,0 +1,252 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/calibrate/survey.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/rotation.hpp"
+#include "raybundle/initialize/target_pose.hpp"
+#include "raybundle/uncertainty/projection_uncertainty.hpp"
+
+namespace raybundle {
+namespace {
+
+using Motion = Eigen::Matrix<double, 6, 1>;
+using Information = Eigen::Matrix<double, 6, 6>;
+
+constexpr double kStartThresholdRad = 0.02;  // of the first pose: a mistaken landmark is off by more
+constexpr double kOutlierSigmas = 4.0;
+constexpr int kMostIterations = 50;
+
+struct Pair {
+  const Landmark* landmark;
+  Eigen::Vector2d pixel;
+  bool used = true;
+};
+
+struct Prediction {
+  Eigen::Vector2d residual;                // seen minus predicted [px]
+  Eigen::Matrix<double, 2, 6> wrt_motion;  // of the predicted pixel
+  Eigen::Matrix2d covariance;              // of sighting and landmark [px²]
+};
+
+Eigen::Vector3d in_camera(const Rigid3& camera_from_local, const Landmark& landmark) {
+  return landmark.infinitely_far ? Eigen::Vector3d(camera_from_local.rotation * landmark.x_in_local)
+                                 : camera_from_local * landmark.x_in_local;
+}
+
+// Central differences; the derivative with the length of the ray is zero by itself.
+std::optional<Eigen::Matrix<double, 2, 3>> pixel_wrt_point(const Camera& camera, const Eigen::Vector3d& x) {
+  const double step = 1e-6 * x.norm();
+  Eigen::Matrix<double, 2, 3> derivative;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Eigen::Vector3d offset = step * Eigen::Vector3d::Unit(axis);
+    const auto ahead = pixel_from_ray(camera, x + offset), behind = pixel_from_ray(camera, x - offset);
+    if (!ahead || !behind) return std::nullopt;
+    derivative.col(axis) = (*ahead - *behind) / (2 * step);
+  }
+  return derivative;
+}
+
+std::optional<Prediction> predict(const Camera& camera, const Rigid3& camera_from_local, const Pair& pair,
+                                  double sighting_sigma_px) {
+  const Landmark& landmark = *pair.landmark;
+  const Eigen::Vector3d x = in_camera(camera_from_local, landmark);
+  if (!(x.norm() > 0.0)) return std::nullopt;
+  const auto pixel = pixel_from_ray(camera, x);
+  const auto wrt_point = pixel_wrt_point(camera, x);
+  if (!pixel || !wrt_point) return std::nullopt;
+  Prediction prediction;
+  prediction.residual = pair.pixel - *pixel;
+  prediction.wrt_motion.leftCols<3>() = -*wrt_point * skew(camera_from_local.rotation * landmark.x_in_local);
+  prediction.wrt_motion.rightCols<3>() = landmark.infinitely_far ? Eigen::Matrix<double, 2, 3>::Zero() : *wrt_point;
+  prediction.covariance = std::pow(sighting_sigma_px, 2) * Eigen::Matrix2d::Identity() +
+                          std::pow(landmark.sigma, 2) * *wrt_point * wrt_point->transpose();
+  return prediction;
+}
+
+// Rotation that turns directions onto rays. Source: Wahba's problem by Kabsch 1976.
+Rigid3 pose_from_directions(const std::vector<Eigen::Vector3d>& directions, const std::vector<Eigen::Vector3d>& rays) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < rays.size(); ++i) sum += rays[i] * directions[i].transpose();
+  Rigid3 pose;
+  pose.rotation = Eigen::Quaterniond(nearest_rotation(sum));
+  return pose;
+}
+
+Rigid3 start_pose(const Camera& camera, const std::vector<Pair>& pairs, const std::string& image) {
+  std::vector<Eigen::Vector3d> points, point_rays, directions, direction_rays;
+  for (const Pair& pair : pairs) {
+    const auto ray = ray_from_pixel(camera, pair.pixel);
+    if (!ray) {
+      throw Error(ErrorKind::kBadInput,
+                  fmt::format("{} is seen at {:.1f}, {:.1f}, where the calibration has no ray; is it the right camera, "
+                              "and the image not resized?",
+                              pair.landmark->name, pair.pixel.x(), pair.pixel.y()),
+                  image);
+    }
+    (pair.landmark->infinitely_far ? directions : points).push_back(pair.landmark->x_in_local);
+    (pair.landmark->infinitely_far ? direction_rays : point_rays).push_back(*ray);
+  }
+  if (points.empty() && directions.size() >= 2) return pose_from_directions(directions, direction_rays);
+  if (points.size() < 4) {
+    throw Error(
+        ErrorKind::kNotEnoughData,
+        fmt::format("{} points and {} directions do not place the camera; four points do, or two directions and "
+                    "no point",
+                    points.size(), directions.size()),
+        image);
+  }
+  const auto pose = robust_target_pose(points, point_rays, kStartThresholdRad);
+  if (!pose) {
+    throw Error(ErrorKind::kNotEnoughData,
+                "no place of the camera explains where its landmarks are seen; are names and coordinates right?",
+                image);
+  }
+  return pose->camera_from_target;
+}
+
+// Gauss-Newton over the pairs in use. Returns the information of the motion and, where nothing sees a direction of it,
+// leaves that alone.
+struct Refined {
+  Rigid3 pose;
+  Information information = Information::Zero();
+};
+
+Refined refine(const Camera& camera, const std::vector<Pair>& pairs, double sigma_px, Refined state) {
+  for (int iteration = 0; iteration < kMostIterations; ++iteration) {
+    state.information.setZero();
+    Motion wanted = Motion::Zero();
+    for (const Pair& pair : pairs) {
+      if (!pair.used) continue;
+      const auto prediction = predict(camera, state.pose, pair, sigma_px);
+      if (!prediction) continue;
+      const Eigen::Matrix<double, 6, 2> weighted =
+          prediction->covariance.ldlt().solve(prediction->wrt_motion).transpose();
+      state.information += weighted * prediction->wrt_motion;
+      wanted += weighted * prediction->residual;
+    }
+    const Motion step = state.information.completeOrthogonalDecomposition().solve(wanted);
+    state.pose = perturbed(state.pose, step);
+    if (step.dot(state.information * step) < 1e-12) break;
+  }
+  return state;
+}
+
+// Of a direction that nothing determines NaN.
+Motion sigmas_of(const Information& information) {
+  Motion sigmas = Motion::Constant(std::numeric_limits<double>::quiet_NaN());
+  const bool rotation_only = information.bottomRightCorner<3, 3>().isZero(0.0);
+  const int size = rotation_only ? 3 : 6;
+  const Eigen::MatrixXd block = information.topLeftCorner(size, size);
+  const Eigen::LDLT<Eigen::MatrixXd> factor(block);
+  if (factor.info() != Eigen::Success || !factor.isPositive()) return sigmas;
+  sigmas.head(size) = factor.solve(Eigen::MatrixXd::Identity(size, size)).diagonal().cwiseSqrt();
+  return sigmas;
+}
+
+// Moves the local frame to the camera, which coordinates of kilometres need for their digits.
+std::vector<Landmark> seen_from(const std::vector<Pair>& pairs, const Eigen::Vector3d& centre) {
+  std::vector<Landmark> moved;
+  for (const Pair& pair : pairs) {
+    moved.push_back(*pair.landmark);
+    if (!moved.back().infinitely_far) moved.back().x_in_local -= centre;
+  }
+  return moved;
+}
+
+LandmarkResidual residual_of(const Camera& camera, const Rigid3& pose, const Pair& pair, double sigma_px,
+                             const std::optional<ProjectionUncertainty>& uncertainty) {
+  LandmarkResidual result{pair.landmark->name, pair.pixel, {NAN, NAN}, INFINITY, NAN, NAN, pair.used};
+  if (!pair.landmark->infinitely_far) result.range_m = in_camera(pose, *pair.landmark).norm();
+  const auto prediction = predict(camera, pose, pair, sigma_px);
+  if (!prediction) return result;
+  Eigen::Matrix2d covariance = prediction->covariance;
+  if (uncertainty) {
+    if (const auto calibration = projection_covariance(*uncertainty, pair.pixel, result.range_m)) {
+      covariance += *calibration;
+    }
+  }
+  result.residual_px = prediction->residual;
+  result.sigma_px = std::sqrt(covariance.trace() / 2);
+  result.sigmas = std::sqrt(prediction->residual.dot(covariance.ldlt().solve(prediction->residual)));
+  return result;
+}
+
+SurveyImage image_of(const Camera& camera, const std::string& image, std::vector<Pair> pairs, double sigma_px,
+                     const std::optional<ProjectionUncertainty>& uncertainty) {
+  const Rigid3 start = start_pose(camera, pairs, image);
+  const Eigen::Vector3d centre = start.inverse().translation;
+  const std::vector<Landmark> moved = seen_from(pairs, centre);
+  for (std::size_t i = 0; i < pairs.size(); ++i) pairs[i].landmark = &moved[i];
+  Refined refined = refine(camera, pairs, sigma_px, {{start.rotation, Eigen::Vector3d::Zero()}, {}});
+  SurveyImage result;
+  const auto judge = [&] {
+    result.landmarks.clear();
+    for (const Pair& pair : pairs) {
+      result.landmarks.push_back(residual_of(camera, refined.pose, pair, sigma_px, uncertainty));
+    }
+  };
+  judge();
+  // The worst one first: it may be what makes others look bad.
+  for (std::size_t left_out = 0; left_out * 4 < pairs.size(); ++left_out) {
+    const auto worst = std::ranges::max_element(result.landmarks, {}, [](const LandmarkResidual& l) {
+      return l.used ? (std::isnan(l.sigmas) ? INFINITY : l.sigmas) : 0.0;
+    });
+    if (worst->sigmas <= kOutlierSigmas) break;
+    pairs[static_cast<std::size_t>(worst - result.landmarks.begin())].used = false;
+    refined = refine(camera, pairs, sigma_px, refined);
+    judge();
+  }
+  result.image = image;
+  result.camera_from_local = refined.pose * Rigid3{Eigen::Quaterniond::Identity(), -centre};
+  result.pose_sigma = sigmas_of(refined.information);
+  double squares = 0.0, whitened = 0.0;
+  int used = 0;
+  for (const LandmarkResidual& landmark : result.landmarks) {
+    if (!landmark.used) continue;
+    squares += landmark.residual_px.squaredNorm();
+    whitened += landmark.sigmas * landmark.sigmas;
+    ++used;
+  }
+  const int freedom = 2 * used - (std::isnan(result.pose_sigma[3]) ? 3 : 6);
+  result.rms_px = std::sqrt(squares / std::max(1, used));
+  result.variance_factor = freedom > 0 ? whitened / freedom : std::numeric_limits<double>::quiet_NaN();
+  return result;
+}
+
+}  // namespace
+
+std::vector<SurveyImage> check_survey(const Calibration& calibration, const RigCamera& camera,
+                                      const std::vector<Landmark>& landmarks, const std::vector<Sighting>& sightings,
+                                      double sighting_sigma_px) {
+  std::optional<ProjectionUncertainty> uncertainty;
+  try {
+    uncertainty = projection_uncertainty(camera, calibration.covariance);
+  } catch (const Error&) {  // a calibration without covariance: its own share is not known
+  }
+  std::map<std::string, std::vector<Pair>> images;
+  for (const Sighting& sighting : sightings) {
+    const auto landmark = std::ranges::find(landmarks, sighting.landmark, &Landmark::name);
+    if (landmark == landmarks.end()) {
+      throw Error(ErrorKind::kBadInput, "landmark '" + sighting.landmark + "' is not among the surveyed ones",
+                  sighting.image);
+    }
+    images[sighting.image].push_back({&*landmark, sighting.pixel});
+  }
+  std::vector<SurveyImage> results;
+  for (const auto& [image, pairs] : images) {
+    results.push_back(image_of(camera.camera, image, pairs, sighting_sigma_px, uncertainty));
+  }
+  return results;
+}
+
+}  // namespace raybundle
