@@ -24,6 +24,7 @@ struct SafetyFlags {
   std::string edition;
   std::optional<double> power_mW;
   int beams = 1;
+  double brightest = 1.0;  // beam over the mean of all
   std::string calibration;
   bool json = false;
 };
@@ -50,7 +51,7 @@ Judgement judge(const SafetyFlags& flags) {
     judgement.in_aperture = beams_in_aperture(lines);
   }
   judgement.one_fault_W = judgement.limit.least_W();
-  judgement.total_W = judgement.limit.least_W() * judgement.beams / judgement.in_aperture;
+  judgement.total_W = judgement.limit.least_W() * judgement.beams / (judgement.in_aperture * flags.brightest);
   return judgement;
 }
 
@@ -64,8 +65,10 @@ void print_text(const SafetyFlags& flags, const Judgement& judgement) {
   fmt::print("  train of pulses  {:8.3f} mW during the pulse (C5 {:.3f}, {:.0f} pulses)\n", 1e3 * limit.pulse_train_W,
              limit.c5, limit.pulses);
   fmt::print("permissible through the aperture: {:.3f} mW\n", 1e3 * limit.least_W());
-  fmt::print("split into {} equal beams, of which {} at most enter the aperture: {:.1f} mW in all\n", judgement.beams,
-             judgement.in_aperture, 1e3 * judgement.total_W);
+  fmt::print(
+      "split into {} beams, of which {} at most enter the aperture, the brightest {} times the mean: {:.1f} mW in "
+      "all\n",
+      judgement.beams, judgement.in_aperture, flags.brightest, 1e3 * judgement.total_W);
   fmt::print("single fault, grating lost and all power in one beam: {:.3f} mW in all\n", 1e3 * judgement.one_fault_W);
   if (flags.power_mW) {
     const auto word = [&](double limit_W) { return 1e-3 * *flags.power_mW <= limit_W ? "within" : "ABOVE"; };
@@ -87,6 +90,7 @@ void print_json(const SafetyFlags& flags, const Judgement& judgement) {
                                 {"c6", limit.c6},
                                 {"beams", judgement.beams},
                                 {"beams_in_aperture", judgement.in_aperture},
+                                {"brightest_over_mean", flags.brightest},
                                 {"permissible_total_mW", 1e3 * judgement.total_W},
                                 {"permissible_total_grating_lost_mW", 1e3 * judgement.one_fault_W},
                                 {"note", kNoVerdict}};
@@ -114,8 +118,12 @@ void add_eye_safety_verb(CLI::App& app) {
   verb->add_option("--pulse", flags->pulse_us, "length of a pulse [µs]")->capture_default_str();
   verb->add_option("--rate", flags->drive.rate_Hz, "pulses in a second [Hz]")->capture_default_str();
   verb->add_option("--source", flags->drive.source_mrad, "apparent size of the source [mrad]")->capture_default_str();
-  verb->add_option("--beams", flags->beams, "equal beams that the laser is split into")
+  verb->add_option("--beams", flags->beams, "that the laser is split into")
       ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str();
+  verb->add_option("--brightest", flags->brightest,
+                   "power of the brightest beam over the mean: gratings never split evenly")
+      ->check(CLI::Range(1.0, 1e6))
       ->capture_default_str();
   verb->add_option("--calibration", flags->calibration,
                    "takes the beams from calibration.json, and counts those that "

@@ -45,9 +45,11 @@ const low = Math.min(...depths), high = Math.max(...depths, low + 1e-9);
 const colour = z => `hsl(${30 + 200 * (z - low) / (high - low)} 90% 50%)`;
 const state = document.getElementById('state');
 state.textContent = frame.state; state.classList.add(frame.state);
+const watched = frame.health.log_wavelength_sigma > 0 ? `wavelength ${(100 * frame.health.log_wavelength).toFixed(3)} ± ` +
+  `${(100 * frame.health.log_wavelength_sigma).toFixed(3)} % off its calibration` :
+  `${frame.health.dots} labelled dots so far, too few to watch the calibration by`;
 document.getElementById('words').textContent = `${frame.image}: ${frame.dots.length} dots, ${points.length} labelled, ` +
-  `${frame.triangles.length} triangles; wavelength ${(100 * frame.health.log_wavelength).toFixed(3)} ± ` +
-  `${(100 * frame.health.log_wavelength_sigma).toFixed(3)} % off its calibration`;
+  `${frame.triangles.length} triangles; ${watched}`;
 
 const loaded = new Image();
 loaded.onload = () => {
@@ -74,13 +76,13 @@ const plot = (id, axis) => {
   const least = Math.min(...all) - 0.1, most = Math.max(...all) + 0.1, width = high + 0.15;
   svg.setAttribute('viewBox', `0 ${least} ${width} ${most - least}`);
   for (let z = 0; z <= width; z += 0.25) {
-    make(svg, 'path', {d: `M${z} ${least}V${most}`, stroke: 'currentColor', 'stroke-opacity': .15, 'stroke-width': .003});
-    make(svg, 'text', {x: z + 0.01, y: most - 0.015, 'font-size': .035, fill: 'currentColor'}, z.toFixed(2));
+    make(svg, 'path', {d: `M${z} ${least}V${most}`, stroke: 'currentColor', 'stroke-opacity': .15, 'stroke-width': .002 * width});
+    make(svg, 'text', {x: z + 0.01 * width, y: most - 0.015 * width, 'font-size': .03 * width, fill: 'currentColor'}, z.toFixed(2));
   }
   frame.points.forEach(p => {
     const [z, y, s] = [p.x_in_camera_m[2], p.x_in_camera_m[axis], Math.sqrt(p.covariance_m2[8])];
-    make(svg, 'path', {d: `M${z - s} ${y}H${z + s}`, stroke: colour(z), 'stroke-width': .004});
-    make(svg, 'circle', {cx: z, cy: y, r: .007, fill: colour(z)});
+    make(svg, 'path', {d: `M${z - s} ${y}H${z + s}`, stroke: colour(z), 'stroke-width': .003 * width});
+    make(svg, 'circle', {cx: z, cy: y, r: .006 * width, fill: colour(z)});
   });
 };
 plot('side', 1); plot('top', 0);
