@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "blanket.hpp"
 #include "dashboard_distance.hpp"
 #include "family.hpp"
 #include "raybundle/geometry/error.hpp"
@@ -14,7 +15,7 @@ namespace raybundle {
 namespace {
 
 // What is drawn from the same stream does not change when something else is drawn differently.
-enum Stream : std::uint64_t { kClass, kLayout, kSeat, kCar, kLight, kThings, kPerson };
+enum Stream : std::uint64_t { kClass, kLayout, kSeat, kCar, kLight, kThings, kBlanket, kPerson };
 constexpr int kMostAttempts = 100;
 
 struct Occupant {
@@ -140,6 +141,7 @@ class Drawing {
         family_.add_objects(truth.seat, things, occupants_);
         break;
     }
+    add_blanket();
     truth.group = group_of(truth.seat_class);
     truth.dashboard_distance_m = dashboard_distance(occupants_, cockpit_.layout);
     truth.decision = decision_of(truth.seat_class, truth.dashboard_distance_m, cockpit_.layout);
@@ -189,6 +191,23 @@ class Drawing {
     const Posture posture = seated_child(child.person.size, place, person_random);
     child.posture = swayed(posture, age == Age::kBaby ? 0.5 : 1.0, person_random, request_.time_s);
     add(child);
+  }
+
+  // Over the legs of children in their seats, and over objects.
+  void add_blanket() {
+    const CabinClass seat_class = cockpit_.truth.seat_class;
+    const bool child = group_of(seat_class) == CabinGroup::kBabySeat || seat_class == CabinClass::kChildInBooster;
+    Random blanket = random(kBlanket);
+    if (!child && seat_class != CabinClass::kObjects) return;
+    if (!blanket.chance(0.2)) return;
+    Cockpit below = cockpit_;
+    below.meshes.insert(below.meshes.end(), occupants_.begin(), occupants_.end());
+    const Eigen::Vector3d centre = cockpit_.truth.seat.h_point + Eigen::Vector3d(blanket.uniform(0.24, 0.36), 0, 0);
+    const CabinMaterial wool{.albedo = blanket.uniform(0.2, 0.8),
+                             .contrast = blanket.uniform(0.1, 0.4),
+                             .grain_m = 0.008,
+                             .seed = static_cast<std::uint32_t>(blanket.below(1 << 30))};
+    occupants_.push_back(draped_blanket(CabinScene(std::move(below)), centre, wool, blanket));
   }
 
   void add(const Occupant& occupant) {

@@ -155,6 +155,7 @@ Posture posture(const BodySize& size, Sitting sitting, const SeatSetting& seat, 
   Posture p;
   p.hips = seat.h_point + Eigen::Vector3d(random.uniform(-0.01, 0.04) + 0.7 * std::max(0.0, size.waist_depth - 0.13),
                                           random.uniform(-0.03, 0.03), 0);
+  p.hips.z() += 0.6 * std::max(0.0, size.pelvis_depth - 0.115);    // and thicker ones higher
   if (!long_legs) p.hips.z() -= 0.5 * (0.11 - size.pelvis_depth);  // thinner bodies sit lower
   p.pelvis_recline_rad = seat.recline_rad + random.uniform(0.05, 0.20);
   p.chest_recline_rad = seat.recline_rad - random.uniform(0.05, 0.22);

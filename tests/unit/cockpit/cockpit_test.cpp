@@ -101,14 +101,13 @@ TEST_P(EveryScene, HasNothingDeepInTheCushionOrTheBack) {
       if (!is_occupant(mesh.part)) continue;
       for (const Eigen::Vector3f& vertex : mesh.vertices) {
         const Eigen::Vector3d from_bight = vertex.cast<double>() - seat.bight;
+        if (std::abs(from_bight.y()) > 0.2) continue;  // elbows and blankets may hang beside the seat
         const double along =
             std::cos(seat.cushion_pitch_rad) * from_bight.x() + std::sin(seat.cushion_pitch_rad) * from_bight.z();
         const double upwards =
             -std::sin(seat.recline_rad) * from_bight.x() + std::cos(seat.recline_rad) * from_bight.z();
         if (along > 0.05 && along < 0.42) above.push_back(up.dot(from_bight));
-        // Elbows may hang beside the back.
-        if (upwards > 0.10 && upwards < 0.55 && std::abs(from_bight.y()) < 0.2)
-          before.push_back(forward.dot(from_bight));
+        if (upwards > 0.10 && upwards < 0.55) before.push_back(forward.dot(from_bight));
       }
     }
     ASSERT_FALSE(above.empty());
@@ -184,7 +183,7 @@ TEST_P(EveryGenerator, MovesPassengersAndNothingElse) {
       const CabinPart part = now.meshes[m].part;
       for (std::size_t i = 0; i < now.meshes[m].vertices.size(); ++i) {
         const float step = (now.meshes[m].vertices[i] - later.meshes[m].vertices[i]).norm();
-        if (part == CabinPart::kHead || part == CabinPart::kBody)
+        if (part == CabinPart::kHead || part == CabinPart::kBody || part == CabinPart::kBlanket)
           moved = std::max(moved, step);
         else
           ASSERT_EQ(step, 0.0F) << kCabinClassNames[static_cast<std::size_t>(c)];
@@ -193,7 +192,7 @@ TEST_P(EveryGenerator, MovesPassengersAndNothingElse) {
     if (now.truth.head) {
       EXPECT_GT(moved, 0.002F) << kCabinClassNames[static_cast<std::size_t>(c)];
     }
-    EXPECT_LT(moved, 0.25F);  // in 0.7 s
+    EXPECT_LT(moved, 0.3F);  // in 0.7 s
   }
 }
 
