@@ -6,8 +6,10 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "occupancy_evaluation.hpp"
+#include "occupancy_input.hpp"
 #include "occupancy_learning.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/occupancy/case_base_file.hpp"
@@ -27,6 +29,8 @@ struct Flags {
   SimulatedLearning learning;
   LearnOptions learn;
   EvaluationOptions evaluation;
+  std::string vehicle;
+  std::vector<std::string> frames;
   bool json = false;
 };
 
@@ -89,6 +93,66 @@ void run_evaluate(Flags flags) {
   if (flags.json) fmt::print("{}\n", json_from_evaluations(evaluations));
 }
 
+std::string name_of(AirbagAction action) {
+  constexpr const char* kNames[kAirbagActions] = {"undecided", "no_fire", "depowered", "fire"};
+  return kNames[static_cast<std::size_t>(action)];
+}
+
+std::string name_of(State state) {
+  return state == State::kOk ? "OK" : state == State::kDegraded ? "DEGRADED" : "INVALID";
+}
+
+nlohmann::ordered_json json_of(const std::string& file, const Occupancy& answer, const CaseBase& base) {
+  nlohmann::ordered_json json{{"file", file}, {"state", name_of(answer.state)}, {"airbag", name_of(answer.action)}};
+  json["group"] = answer.group < 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(base.group_names[answer.group]);
+  json["class"] =
+      answer.situation < 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(base.situations[answer.situation].name);
+  json["confidence"] = answer.confidence;
+  json["points_in_critical_zone"] = answer.zones.critical;
+  json["points_in_outer_zone"] = answer.zones.out_of_position;
+  if (answer.zones.anything) json["dashboard_distance_m"] = answer.zones.distance_m;
+  if (answer.zones.anything) json["dashboard_distance_sigma_m"] = answer.zones.sigma_m;
+  json["moving"] = answer.moving;
+  return json;
+}
+
+void run_classify(const Flags& flags) {
+  const CaseBase base = case_base_from_bytes(bytes_of_file(flags.base), flags.base);
+  const InstalledSensor sensor = read_installed_sensor(flags.vehicle);
+  if (base.attribute_set != kStripes.name) {
+    throw Error(ErrorKind::kBadInput,
+                "was learnt for stereo, and the points are of a laser; learn one for "
+                "structured-light",
+                flags.base);
+  }
+  OccupancyMonitor monitor(sensor.layout, base, sensor.rays(), monitor_options_of(SensorKind::kStructuredLight));
+  nlohmann::ordered_json frames = nlohmann::ordered_json::array();
+  std::vector<std::vector<std::string>> rows{{"frame", "state", "airbag", "group", "class", "distance m"}};
+  for (const std::string& file : flags.frames) {
+    const PointFrame frame = read_point_frame(file, sensor);
+    const Occupancy answer = monitor.process({sensor.viewpoint_in_vehicle, frame.points, sensor.rays(), frame.state});
+    frames.push_back(json_of(file, answer, base));
+    rows.push_back({file, name_of(answer.state), name_of(answer.action),
+                    answer.group < 0 ? "unsure" : base.group_names[answer.group],
+                    answer.situation < 0 ? "unknown" : base.situations[answer.situation].name,
+                    answer.zones.anything ? fmt::format("{:.3f}", answer.zones.distance_m) : "-"});
+  }
+  flags.json ? fmt::print("{}\n", nlohmann::ordered_json{{"frames", frames}}.dump(2))
+             : fmt::print("{}", text_table(rows));
+}
+
+void add_classify(CLI::App& verb) {
+  auto flags = std::make_shared<Flags>();
+  CLI::App* classify = verb.add_subcommand("classify", "laser points of one or more frames, in their order");
+  classify->add_option("base", flags->base, "what `occupancy learn` wrote")->required();
+  classify->add_option("points", flags->frames, "JSON of `reconstruct structured-light`")->required();
+  classify->add_option("--vehicle", flags->vehicle, "where seat, dashboard and sensor are (docs/formats/occupancy.md)")
+      ->type_name("TOML")
+      ->required();
+  classify->add_flag("--json", flags->json, "print the result as JSON");
+  classify->callback([flags] { run_classify(*flags); });
+}
+
 void add_learn(CLI::App& verb) {
   auto flags = std::make_shared<Flags>();
   CLI::App* learn = verb.add_subcommand("learn", "make a base of learnt cases");
@@ -145,11 +209,14 @@ void add_occupancy_verb(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("occupancy", "3-D -> who is on the seat, and what the airbag may do");
   verb->require_subcommand(1);
   add_learn(*verb);
+  add_classify(*verb);
   add_evaluate(*verb);
   verb->footer(
       "Example:\n"
       "  raybundle occupancy learn --scenes 4000 -o seats.rbcases\n"
-      "  raybundle occupancy evaluate seats.rbcases --scenes 3000");
+      "  raybundle occupancy evaluate seats.rbcases --scenes 3000\n"
+      "  raybundle reconstruct structured-light out/calibration.json frames/*.png -o points\n"
+      "  raybundle occupancy classify seats.rbcases points/*.json --vehicle vehicle.toml");
 }
 
 }  // namespace raybundle::apps

@@ -17,21 +17,34 @@ std::vector<SituationClass> cabin_situations() {
   std::vector<SituationClass> situations;
   for (int c = 0; c < kCabinClasses; ++c) {
     const auto cabin = static_cast<CabinClass>(c);
-    SituationClass situation{std::string(kCabinClassNames[c]), static_cast<int>(group_of(cabin)), AirbagAction::kNoFire,
-                             false};
-    situation.inert =
+    const bool inert =
         cabin == CabinClass::kEmpty || cabin == CabinClass::kEmptyBooster || cabin == CabinClass::kObjects;
-    if (cabin == CabinClass::kPassenger) situation.most = AirbagAction::kFire;
-    // Somebody out of position is fired at gently at most, wherever the rays see him.
-    if (cabin == CabinClass::kOutOfPosition || cabin == CabinClass::kChildInBooster) {
-      situation.most = AirbagAction::kDepowered;
-    }
-    situations.push_back(situation);
+    situations.push_back({std::string(kCabinClassNames[c]), static_cast<int>(group_of(cabin)), inert});
   }
   return situations;
 }
 
 std::vector<std::string> cabin_groups() { return {kCabinGroupNames.begin(), kCabinGroupNames.end()}; }
+
+namespace {
+
+// What would be right if whoever is there were nearer by a margin.
+AirbagAction action_to_learn(const CockpitTruth& truth, const MeasuredScene& scene, double margin_m) {
+  CabinLayout layout;
+  layout.critical_m = scene.layout.critical_m;
+  layout.out_of_position_m = scene.layout.out_of_position_m;
+  switch (decision_of(truth.seat_class, truth.dashboard_distance_m - margin_m, layout)) {
+    case CabinDecision::kFire:
+      return AirbagAction::kFire;
+    case CabinDecision::kDepowered:
+      return AirbagAction::kDepowered;
+    case CabinDecision::kNoFire:
+      return AirbagAction::kNoFire;
+  }
+  return AirbagAction::kNoFire;
+}
+
+}  // namespace
 
 MeasuredScene as_in_another_car(MeasuredScene scene, const SimulatedLearning& how, std::uint64_t seed) {
   Random random(seed, 71);
@@ -53,13 +66,16 @@ LabelledCases simulated_cases(const SimulatedLearning& how) {
                       .situations = cabin_situations(),
                       .group_names = cabin_groups(),
                       .attributes = {},
-                      .classes = {}};
+                      .classes = {},
+                      .actions = {}};
   const int copies = 1 + how.other_cars;
   cases.attributes.resize(set.size, static_cast<Eigen::Index>(how.scenes) * copies);
   cases.classes.resize(static_cast<std::size_t>(how.scenes) * copies);
+  cases.actions.resize(cases.classes.size());
   for_each_index(static_cast<std::size_t>(how.scenes), how.threads, [&](std::size_t i) {
     const SceneRequest request{how.kind, {CockpitGenerator::kTraining, how.seed + i, {}, 0.0}, how.grid};
     const MeasuredScene scene = measured_scene(request);
+    const AirbagAction action = action_to_learn(scene.truth, scene, how.margin_m);
     for (int copy = 0; copy < copies; ++copy) {
       const std::size_t n = i * copies + copy;
       const MeasuredScene seen =
@@ -67,6 +83,7 @@ LabelledCases simulated_cases(const SimulatedLearning& how) {
                     : as_in_another_car(scene, how, mixed_bits(how.seed + i) + static_cast<std::uint64_t>(copy));
       cases.attributes.col(static_cast<Eigen::Index>(n)) = set.attributes(seen.layout, SeatPose{}, seen.scan());
       cases.classes[n] = static_cast<std::uint8_t>(seen.truth.seat_class);
+      cases.actions[n] = action;
     }
   });
   return cases;

@@ -11,7 +11,7 @@ namespace raybundle::apps {
 /// The attributes that a sensor's points are described by.
 const AttributeSet& attribute_set_of(SensorKind kind);
 
-/// The classes of the simulated cabins, in the order of CabinClass, and what the airbag may do for each.
+/// The classes of the simulated cabins, in the order of CabinClass.
 std::vector<SituationClass> cabin_situations();
 std::vector<std::string> cabin_groups();
 
@@ -23,6 +23,7 @@ struct SimulatedLearning {
   int other_cars = 1;         ///< copies of each scene as if in another car, see as_in_another_car()
   double car_change = 0.06;   ///< how much lengths and angles of those cars differ
   double car_shift_m = 0.02;  ///< how much their seats are elsewhere
+  double margin_m = 0.05;     ///< actions are learnt as if everybody were nearer to the dashboard by this
   int threads = 1;
 };
 

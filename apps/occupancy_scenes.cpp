@@ -49,6 +49,7 @@ void measure_stereo(const SceneRequest& request, const CabinScene& scene, Measur
 
 VehicleLayout vehicle_layout(const CabinLayout& layout) {
   return {.dashboard_x_m = layout.dashboard_x_m,
+          .dashboard_top_m = layout.dashboard_top_m,
           .zone_floor_m = layout.zone_floor_m,
           .zone_half_width_m = layout.zone_half_width_m,
           .critical_m = layout.critical_m,

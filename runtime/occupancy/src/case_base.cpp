@@ -51,9 +51,11 @@ CaseVerdict verdict_of(const CaseBase& base, const double* query, int left_out) 
     const double vote = 1.0 / (distance + 1e-6);
     verdict.distance += distance / found;
     verdict.votes[base.classes[nearest[i].index]] += vote;
+    verdict.action_votes[static_cast<std::size_t>(base.actions[nearest[i].index])] += vote;
     sum += vote;
   }
   for (double& vote : verdict.votes) vote /= sum;
+  for (double& vote : verdict.action_votes) vote /= sum;
   verdict.best = static_cast<int>(std::ranges::max_element(verdict.votes) - verdict.votes.begin());
   verdict.known = verdict.distance <= base.farthest;
   return verdict;
@@ -74,7 +76,8 @@ void CaseBase::check() const {
     refuse("its metric has no usable size");
   }
   if (cases.rows() != metric_from_attributes.rows()) refuse("its cases and its metric differ in size");
-  if (cases.cols() != static_cast<Eigen::Index>(classes.size())) refuse("not every case has a class");
+  if (cases.cols() != static_cast<Eigen::Index>(classes.size()) || actions.size() != classes.size())
+    refuse("not every case has a class and an action");
   if (neighbours < 1 || neighbours > kMostNeighbours || cases.cols() <= neighbours) {
     refuse("it has fewer cases than neighbours");
   }
@@ -83,7 +86,9 @@ void CaseBase::check() const {
   }
   for (const SituationClass& situation : situations) {
     if (situation.group < 0 || situation.group >= static_cast<int>(group_names.size())) refuse("a class has no group");
-    if (situation.most > AirbagAction::kFire) refuse("a class allows what no airbag does");
+  }
+  for (const AirbagAction action : actions) {
+    if (action == AirbagAction::kUndecided || action > AirbagAction::kFire) refuse("a case has no right action");
   }
   for (const std::uint8_t c : classes) {
     if (c >= situations.size()) refuse("a case is of a class without a name");

@@ -10,7 +10,7 @@
 namespace raybundle {
 namespace {
 
-constexpr FileKind kKind{"RBCASES", 1, "base of occupancy cases", "raybundle occupancy learn"};
+constexpr FileKind kKind{"RBOCCUPY", 1, "base of occupancy cases", "raybundle occupancy learn"};
 constexpr int kMostCases = 1 << 20;
 
 void add_matrix(ByteWriter& writer, const Eigen::MatrixXd& matrix) {
@@ -35,7 +35,6 @@ std::string bytes_from_case_base(const CaseBase& base) {
   for (const SituationClass& situation : base.situations) {
     writer.text(situation.name);
     add_count(situation.group);
-    add_count(static_cast<Eigen::Index>(situation.most));
     add_count(situation.inert ? 1 : 0);
   }
   add_count(base.neighbours);
@@ -46,6 +45,7 @@ std::string bytes_from_case_base(const CaseBase& base) {
   add_matrix(writer, base.metric_from_attributes);
   add_matrix(writer, base.cases);
   writer.values(std::span<const std::uint8_t>(base.classes));
+  for (const AirbagAction action : base.actions) writer.value(static_cast<std::uint8_t>(action));
   return checked_file(kKind, writer.bytes());
 }
 
@@ -59,7 +59,6 @@ CaseBase case_base_from_bytes(std::string_view bytes, const std::string& where) 
   for (SituationClass& situation : base.situations) {
     situation.name = reader.text();
     situation.group = reader.count(0, kMostClasses, "a group");
-    situation.most = static_cast<AirbagAction>(reader.count(0, static_cast<int>(AirbagAction::kFire), "an action"));
     situation.inert = reader.count(0, 1, "whether a class is inert") == 1;
   }
   base.neighbours = reader.count(1, kMostNeighbours, "the number of neighbours");
@@ -70,6 +69,9 @@ CaseBase case_base_from_bytes(std::string_view bytes, const std::string& where) 
   base.metric_from_attributes = next_matrix(reader, size, attributes);
   base.cases = next_matrix(reader, size, cases);
   base.classes = reader.values<std::uint8_t>(static_cast<std::size_t>(cases));
+  for (const std::uint8_t action : reader.values<std::uint8_t>(static_cast<std::size_t>(cases))) {
+    base.actions.push_back(static_cast<AirbagAction>(action));
+  }
   reader.expect_end();
   base.check();
   return base;

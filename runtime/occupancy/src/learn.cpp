@@ -17,7 +17,8 @@ namespace {
 constexpr double kLeastWithin = 1e-3;
 
 void check(const LabelledCases& cases, const LearnOptions& options) {
-  if (cases.attributes.cols() != static_cast<Eigen::Index>(cases.classes.size()) || cases.attributes.rows() < 1 ||
+  if (cases.attributes.cols() != static_cast<Eigen::Index>(cases.classes.size()) ||
+      cases.actions.size() != cases.classes.size() || cases.attributes.rows() < 1 ||
       cases.situations.size() > kMostClasses) {
     throw Error(ErrorKind::kBadInput, "attributes and classes of the cases to learn differ in number");
   }
@@ -83,6 +84,7 @@ CaseBase learn(const LabelledCases& cases, const LearnOptions& options) {
                                          cases.classes, {.steps = options.metric_steps, .decay = options.metric_decay}),
                 .cases = {},
                 .classes = cases.classes,
+                .actions = cases.actions,
                 .neighbours = options.neighbours,
                 .farthest = 0.0};
   base.cases = base.metric_from_attributes * cases.attributes;

@@ -99,10 +99,7 @@ void OccupancyMonitor::vote(Occupancy& now) const {
 AirbagAction OccupancyMonitor::action_of(const Occupancy& now) const {
   if (now.zones.critical > 0) return AirbagAction::kNoFire;
   if (!now.verdict.known) return AirbagAction::kUndecided;
-  std::array<double, 4> votes{};  // of the most that the situations allow
-  for (std::size_t c = 0; c < base_.situations.size(); ++c) {
-    votes[static_cast<std::size_t>(base_.situations[c].most)] += now.verdict.votes[c];
-  }
+  const auto& votes = now.verdict.action_votes;
   const double fire = votes[static_cast<std::size_t>(AirbagAction::kFire)],
                some = fire + votes[static_cast<std::size_t>(AirbagAction::kDepowered)];
   if (fire >= options_.sure_of_force && now.zones.out_of_position == 0) return AirbagAction::kFire;

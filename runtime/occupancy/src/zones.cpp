@@ -25,8 +25,11 @@ ZoneCount count_zones(const VehicleLayout& layout, const Scan& scan, const ZoneO
   ZoneCount count;
   for (const ScenePoint& point : scan.points) {
     const Eigen::Vector3d& x = point.x_in_vehicle;
-    const double distance = layout.dashboard_x_m - x.x();
-    if (x.z() < layout.zone_floor_m || std::abs(x.y()) > layout.zone_half_width_m || distance < options.dashboard_m ||
+    const double to_plane = layout.dashboard_x_m - x.x(), distance = std::max(0.0, to_plane);
+    // Above the dashboard everything counts, even beyond its edge; at its height, what is clear of it.
+    const bool clear = x.z() > layout.dashboard_top_m + options.dashboard_m ? to_plane > -options.beyond_m
+                                                                            : to_plane > options.dashboard_m;
+    if (x.z() < layout.zone_floor_m || std::abs(x.y()) > layout.zone_half_width_m || !clear ||
         point.sigma_m > options.most_sigma_m) {
       continue;
     }

@@ -19,16 +19,18 @@ constexpr LearnOptions kQuick{.metric_size = 2, .metric_steps = 20};
 // Two classes, 3 apart along the first attribute; the second attribute is a hundred times as large and says nothing.
 LabelledCases two_clouds(int cases, std::uint64_t seed) {
   LabelledCases labelled{.attribute_set = "test",
-                         .situations = {{.name = "left"}, {.name = "right", .most = AirbagAction::kFire}},
+                         .situations = {{.name = "left"}, {.name = "right"}},
                          .group_names = {"all"},
                          .attributes = {},
-                         .classes = {}};
+                         .classes = {},
+                         .actions = {}};
   labelled.attributes.resize(2, cases);
   Random random(seed);
   for (int n = 0; n < cases; ++n) {
     const int side = n % 2;
     labelled.attributes.col(n) << 3.0 * side + 0.3 * random.normal(), 100.0 * random.normal();
     labelled.classes.push_back(static_cast<std::uint8_t>(side));
+    labelled.actions.push_back(side == 0 ? AirbagAction::kNoFire : AirbagAction::kFire);
   }
   return labelled;
 }

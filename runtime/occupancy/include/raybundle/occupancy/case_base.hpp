@@ -16,13 +16,13 @@ inline constexpr int kMostNeighbours = 32;
 
 /// What the airbag may do in a crash, from the least forceful. Undecided: whoever asks must fall back on other sensors.
 enum class AirbagAction : std::uint8_t { kUndecided, kNoFire, kDepowered, kFire };
+inline constexpr int kAirbagActions = 4;
 
 /// What may be on the seat.
 struct SituationClass {
   std::string name;
-  int group = 0;                              ///< index into CaseBase::group_names: the coarse classes
-  AirbagAction most = AirbagAction::kNoFire;  ///< no more forceful action is right for it
-  bool inert = false;                         ///< nothing of it moves by itself
+  int group = 0;       ///< index into CaseBase::group_names: the coarse classes
+  bool inert = false;  ///< nothing of it moves by itself
 };
 
 /// Learnt situations: attributes of scenes whose class is known, in a metric in which distances between situations of
@@ -34,6 +34,7 @@ struct CaseBase {
   Eigen::MatrixXd metric_from_attributes;  ///< M×D
   Eigen::MatrixXd cases;                   ///< M×N, one column a learnt situation, in the metric's space
   std::vector<std::uint8_t> classes;       ///< N, indices into situations
+  std::vector<AirbagAction> actions;       ///< N, what was right for each case
   int neighbours = 7;                      ///< k
   double farthest = 0.0;                   ///< a situation farther than this from its nearest cases is unknown
 
@@ -43,10 +44,11 @@ struct CaseBase {
 
 /// What the nearest cases say.
 struct CaseVerdict {
-  int best = -1;                             ///< class with the most votes
-  std::array<double, kMostClasses> votes{};  ///< shares, sum 1: the nearer a case the more its vote counts
-  double distance = 0.0;                     ///< mean to the k nearest cases
-  bool known = false;                        ///< near enough to cases
+  int best = -1;                                      ///< class with the most votes
+  std::array<double, kMostClasses> votes{};           ///< shares, sum 1: the nearer a case the more its vote counts
+  std::array<double, kAirbagActions> action_votes{};  ///< shares, sum 1
+  double distance = 0.0;                              ///< mean to the k nearest cases
+  bool known = false;                                 ///< near enough to cases
 };
 
 /// The k nearest cases vote. Brute force: bounded, without heap, the same bits on every run.

@@ -18,6 +18,7 @@ struct LabelledCases {
   std::vector<std::string> group_names;
   Eigen::MatrixXd attributes;         ///< D×N
   std::vector<std::uint8_t> classes;  ///< N
+  std::vector<AirbagAction> actions;  ///< N, what is right for each
 };
 
 struct LearnOptions {

@@ -13,6 +13,7 @@ namespace raybundle {
 /// above the knees and as wide as the seat.
 struct VehicleLayout {
   double dashboard_x_m = 0.70;
+  double dashboard_top_m = 0.46;               ///< z
   double zone_floor_m = 0.30;                  ///< z; below are the knees of every passenger
   double zone_half_width_m = 0.32;             ///< |y|
   double critical_m = 0.20;                    ///< depth of the critical out-of-position zone (COOP)

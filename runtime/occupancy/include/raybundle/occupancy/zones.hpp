@@ -9,7 +9,8 @@ namespace raybundle {
 
 struct ZoneOptions {
   double margin_m = 0.02;      ///< the zones count as deeper by this
-  double dashboard_m = 0.02;   ///< what is nearer to the dashboard's plane, or beyond it, may be the dashboard
+  double dashboard_m = 0.02;   ///< what is nearer to the dashboard than this may be the dashboard
+  double beyond_m = 0.15;      ///< above the dashboard the zones reach so far over it
   int least_points = 1;        ///< points in a zone before something is there; of dense points single ones are wrong
   double most_sigma_m = 0.05;  ///< less certain points are not counted
 };

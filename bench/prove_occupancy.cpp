@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Occupancy in simulated cabins: learns on the training generator and judges other scenes of it (same vehicle) and of
+// the test generator (held-out vehicle), for the laser and for stereo, each figure against its bar.
+// usage: prove_occupancy [scenes of each split, default 3000] [scenes to learn, default 8000]
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include "occupancy_evaluation.hpp"
+#include "occupancy_learning.hpp"
+
+namespace {
+
+using namespace raybundle;
+using namespace raybundle::apps;
+
+constexpr double kMostDangerous = 0.001;
+constexpr double kDistance_m = 0.020;
+constexpr std::uint64_t kUnlearntSeed = 1000000000;
+
+struct Split {
+  const char* name;
+  CockpitGenerator generator;
+  double least_groups;   // of the laser's answers
+  double least_classes;  // of stereo's
+};
+constexpr Split kSplits[] = {{"same vehicle", CockpitGenerator::kTraining, 0.99, 0.95},
+                             {"held-out vehicle", CockpitGenerator::kTest, 0.95, 0.85}};
+
+bool print(const char* what, double value, double bar, bool at_least, const char* unit, double scale) {
+  const bool good = at_least ? value >= bar : value <= bar;
+  std::printf("  %-44s %8.3f %-3s bar %8.3f  %s\n", what, scale * value, unit, scale * bar, good ? "ok" : "FAILS");
+  return good;
+}
+
+bool prove(SensorKind kind, const CaseBase& base, const Split& split, int scenes) {
+  const bool laser = kind == SensorKind::kStructuredLight;
+  const Evaluation e = evaluate(base, {.kind = kind,
+                                       .generator = split.generator,
+                                       .seed = kUnlearntSeed,
+                                       .scenes = scenes,
+                                       .monitor = monitor_options_of(kind),
+                                       .threads = 2});
+  std::printf("%s, %s: %d scenes\n", laser ? "laser 11x11" : "stereo 128x128", split.name, e.scenes);
+  bool good = laser ? print("3 groups right, of answers", e.right_group.value(), split.least_groups, true, "%", 100)
+                    : print("8 classes right, of answers", e.right_class.value(), split.least_classes, true, "%", 100);
+  good &= print("dangerous fire", e.dangerous.value(), kMostDangerous, false, "%", 100);
+  if (laser && !e.distance_errors_m.empty()) {
+    const double largest = std::abs(e.distance_errors_m.back());
+    good &= print("distance of the nearest dot, largest error", largest, kDistance_m, false, "mm", 1e3);
+  }
+  std::printf("  no answer: group %.2f %%, class %.2f %%; undecided %.2f %%; dangerous at most %.2f %% (95 %%)\n",
+              100 * e.rejected_group.value(), 100 * e.rejected_class.value(), 100 * e.rejected_action.value(),
+              100 * e.dangerous.high());
+  return good;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int scenes = argc > 1 ? std::atoi(argv[1]) : 3000, learnt = argc > 2 ? std::atoi(argv[2]) : 8000;
+  if (scenes < 1 || learnt < 100) {
+    std::fprintf(stderr, "usage: prove_occupancy [scenes of each split, at least 1] [scenes to learn, at least 100]\n");
+    return 2;
+  }
+  bool good = true;
+  for (const SensorKind kind : {SensorKind::kStructuredLight, SensorKind::kStereo}) {
+    SimulatedLearning learning;
+    learning.kind = kind;
+    learning.scenes = learnt;
+    learning.threads = 2;
+    const CaseBase base = learn(simulated_cases(learning));
+    for (const Split& split : kSplits) good &= prove(kind, base, split, scenes);
+  }
+  return good ? 0 : 1;
+}

@@ -1,0 +1,168 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/occupancy/monitor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <new>
+#include <vector>
+
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/occupancy/learn.hpp"
+#include "raybundle/synthetic/random.hpp"
+
+namespace {
+int heap_calls = 0;
+}  // namespace
+
+void* operator new(std::size_t size) {
+  ++heap_calls;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace raybundle {
+namespace {
+
+constexpr int kRays = 144;
+const Eigen::Vector3d kEye(0.46, 0.36, 0.90);
+
+// Rays to a seat-like floor; somebody is a plate above it, whose front edge is at front_x [m].
+std::vector<ScenePoint> scene(bool somebody, double front_x, double noise_m, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<ScenePoint> points;
+  for (int i = 0; i < kRays; ++i) {
+    Eigen::Vector3d end(-0.5 + (i % 12) * 0.1, -0.25 + (i / 12) * 0.04, -0.1);
+    if (somebody) {
+      const double t = (kEye.z() - 0.4) / (kEye.z() - end.z());  // where the ray meets the plate's height
+      const Eigen::Vector3d on_plate = kEye + t * (end - kEye);
+      if (on_plate.x() < front_x) end = on_plate;
+    }
+    points.push_back({i, end + noise_m * Eigen::Vector3d(random.normal(), random.normal(), random.normal()), 0.005});
+  }
+  return points;
+}
+
+Scan scan_of(const std::vector<ScenePoint>& points) {
+  return {.viewpoint_in_vehicle = kEye, .points = points, .rays = kRays};
+}
+
+CaseBase base() {
+  LabelledCases cases{.attribute_set = std::string(kStripes.name),
+                      .situations = {{.name = "empty", .group = 0, .inert = true}, {.name = "adult", .group = 1}},
+                      .group_names = {"empty", "something"},
+                      .attributes = Eigen::MatrixXd(kStripes.size, 80),
+                      .classes = {},
+                      .actions = {}};
+  for (int n = 0; n < 80; ++n) {
+    const bool adult = n % 2 == 1;
+    cases.attributes.col(n) = kStripes.attributes({}, {}, scan_of(scene(adult, 0.2, 0.005, 1 + n)));
+    cases.classes.push_back(adult);
+    cases.actions.push_back(adult ? AirbagAction::kFire : AirbagAction::kNoFire);
+  }
+  return learn(cases, {.known_share = 1.0, .metric_size = 4, .metric_steps = 20});
+}
+
+const CaseBase& shared_base() {
+  static const CaseBase learnt = base();
+  return learnt;
+}
+
+Occupancy after(OccupancyMonitor& monitor, const std::vector<ScenePoint>& points, int frames) {
+  Occupancy answer;
+  for (int i = 0; i < frames; ++i) answer = monitor.process(scan_of(points));
+  return answer;
+}
+
+TEST(Monitor, AnEmptySeatIsNotFiredAtAndAPassengerIs) {
+  OccupancyMonitor monitor({}, shared_base(), kRays);
+  const Occupancy empty = after(monitor, scene(false, 0.0, 0.003, 900), 3);
+  EXPECT_EQ(empty.state, State::kOk);
+  EXPECT_EQ(empty.group, 0);
+  EXPECT_EQ(empty.action, AirbagAction::kNoFire);
+  monitor.restart();
+  const Occupancy adult = after(monitor, scene(true, 0.2, 0.003, 901), 3);
+  EXPECT_EQ(adult.group, 1);
+  EXPECT_EQ(adult.action, AirbagAction::kFire);
+}
+
+// Whoever it is, whatever the votes: something in the critical zone forbids to fire, in that very frame; what allows
+// has to last.
+TEST(Monitor, NoFireIsNeverDelayedAndFireIs) {
+  MonitorOptions options;
+  options.calm_frames = 3;
+  OccupancyMonitor monitor({}, shared_base(), kRays, options);
+  const std::vector<ScenePoint> far = scene(true, 0.2, 0.0, 902);
+  std::vector<ScenePoint> near = far;
+  near[40].x_in_vehicle = {0.6, 0.0, 0.5};
+  EXPECT_EQ(after(monitor, far, 3).action, AirbagAction::kFire);
+  EXPECT_EQ(after(monitor, near, 1).action, AirbagAction::kNoFire);
+  EXPECT_EQ(after(monitor, far, 2).action, AirbagAction::kNoFire);
+  EXPECT_EQ(after(monitor, far, 1).action, AirbagAction::kFire);
+}
+
+TEST(Monitor, SomethingInTheOuterZoneIsFiredAtGently) {
+  OccupancyMonitor monitor({}, shared_base(), kRays);
+  std::vector<ScenePoint> points = scene(true, 0.2, 0.0, 903);
+  points[40].x_in_vehicle = {0.42, 0.0, 0.5};
+  EXPECT_EQ(after(monitor, points, 3).action, AirbagAction::kDepowered);
+}
+
+// A sensor that says nothing, or that something is wrong with, gives no answer at all.
+TEST(Monitor, InvalidIsNoDefault) {
+  OccupancyMonitor monitor({}, shared_base(), kRays);
+  const std::vector<ScenePoint> points = scene(false, 0.0, 0.0, 904);
+  Scan broken = scan_of(points);
+  broken.state = State::kInvalid;
+  const Scan nothing{.viewpoint_in_vehicle = kEye, .points = {}, .rays = kRays};
+  for (const Scan& scan : {broken, nothing}) {
+    const Occupancy answer = monitor.process(scan);
+    EXPECT_EQ(answer.state, State::kInvalid);
+    EXPECT_EQ(answer.action, AirbagAction::kUndecided);
+    EXPECT_EQ(answer.group, -1);
+  }
+}
+
+// What the base has never seen: everything half a metre nearer to the eye.
+TEST(Monitor, WhatIsFarFromAllCasesIsUndecided) {
+  OccupancyMonitor monitor({}, shared_base(), kRays);
+  std::vector<ScenePoint> points = scene(false, 0.0, 0.0, 905);
+  for (ScenePoint& point : points) point.x_in_vehicle = 0.5 * (point.x_in_vehicle + kEye) - Eigen::Vector3d(0.4, 0, 0);
+  EXPECT_EQ(after(monitor, points, 3).state, State::kInvalid);
+}
+
+// What moves is not an empty seat.
+TEST(Monitor, MotionSpeaksAgainstWhatIsInert) {
+  OccupancyMonitor monitor({}, shared_base(), kRays);
+  const std::vector<ScenePoint> still = scene(false, 0.0, 0.0, 906);
+  std::vector<ScenePoint> moved = still;
+  for (int i = 0; i < kRays; i += 8) moved[i].x_in_vehicle += 0.08 * (kEye - moved[i].x_in_vehicle).normalized();
+  EXPECT_EQ(after(monitor, still, 2).situation, 0);
+  const Occupancy answer = after(monitor, moved, 1);
+  EXPECT_GT(answer.moving, 0.04);
+  EXPECT_NE(answer.situation, 0);
+}
+
+TEST(Monitor, TakesNoHeapAfterStartAndGivesTheSameBits) {
+  OccupancyMonitor monitor({}, shared_base(), kRays), other({}, shared_base(), kRays);
+  const std::vector<ScenePoint> points = scene(true, 0.2, 0.003, 907);
+  const int before = heap_calls;
+  Occupancy answer;
+  for (int i = 0; i < 20; ++i) answer = monitor.process(scan_of(points));
+  EXPECT_EQ(heap_calls, before);
+  const Occupancy same = after(other, points, 20);
+  EXPECT_EQ(answer.verdict.distance, same.verdict.distance);
+  EXPECT_EQ(answer.verdict.votes, same.verdict.votes);
+}
+
+TEST(Monitor, ABaseOfUnknownAttributesIsRefused) {
+  CaseBase other = shared_base();
+  other.attribute_set = "stripes-0";
+  EXPECT_THROW(OccupancyMonitor({}, other, kRays), Error);
+}
+
+}  // namespace
+}  // namespace raybundle
