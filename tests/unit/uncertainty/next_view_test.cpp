@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <string>
 
 #include "raybundle/calibrate/calibrate.hpp"
 #include "raybundle/geometry/quantile.hpp"
@@ -21,12 +22,12 @@ using testing::SyntheticWorld;
 
 constexpr double kNoise_px = 0.1;
 
-// Boards near the axis only, so that a view elsewhere tells much.
+// Boards in the middle of the field only, so that a view elsewhere tells much.
 SyntheticOptions narrow() {
   SyntheticOptions options;
   options.frames = 14;
   options.noise_px = kNoise_px;
-  options.max_off_axis_rad = 0.35;
+  options.max_off_axis_rad = 0.7;
   return options;
 }
 
@@ -49,20 +50,38 @@ CalibrationProblem with_board(const SyntheticWorld& world, const Rigid3& rig_fro
   return problem;
 }
 
-// Root mean square sigma of projections at infinity, for corners of exactly the stated sigmas: two solves of different
-// data scale by slightly different variance factors otherwise.
-double rms_sigma(const CalibrationResult& result, Covariance covariance) {
-  covariance.matrix /= result.variance_factor;
+// Beyond, the estimate of a world of narrow() is so wrong that no first order holds, and pixels there have other rays.
+constexpr double kField_deg = 140.0;
+
+Requirement field_requirement() {
+  return requirement_from_text("projection 0.01 px over " + std::to_string(kField_deg) + " deg");
+}
+
+struct Sigmas {
+  double largest = 0.0;
+  double rms = 0.0;
+};
+
+// Of projections at infinity within the field, for corners of exactly the stated sigmas: two solves of different data
+// scale by slightly different variance factors otherwise.
+Sigmas sigmas_in_field(const CalibrationResult& result) {
+  const RigCamera& camera = result.calibration.cameras[0];
   const UncertaintyMap map =
-      uncertainty_map(projection_uncertainty(result.calibration.cameras[0], covariance), kInfinitelyFar, 12);
-  double sum = 0.0;
+      uncertainty_map(projection_uncertainty(camera, result.calibration.covariance), kInfinitelyFar, 12);
+  Sigmas sigmas;
   int count = 0;
-  for (const double sigma : map.sigma_px.reshaped()) {
-    if (!std::isfinite(sigma)) continue;
-    sum += sigma * sigma;
-    ++count;
+  for (Eigen::Index row = 0; row < map.sigma_px.rows(); ++row) {
+    for (Eigen::Index column = 0; column < map.sigma_px.cols(); ++column) {
+      const auto ray = ray_from_pixel(camera.camera, map.pixel(row, column));
+      if (!ray || std::acos(ray->z()) > kField_deg / 2 * M_PI / 180) continue;
+      const double sigma = map.sigma_px(row, column) / std::sqrt(result.variance_factor);
+      sigmas.largest = std::max(sigmas.largest, sigma);
+      sigmas.rms += sigma * sigma;
+      ++count;
+    }
   }
-  return std::sqrt(sum / count);
+  sigmas.rms = std::sqrt(sigmas.rms / count);
+  return sigmas;
 }
 
 // What was predicted is what a solve with the view finds, up to the step of the estimate (first order) and the implied
@@ -70,24 +89,25 @@ double rms_sigma(const CalibrationResult& result, Covariance covariance) {
 TEST(NextView, PredictsWhatTheViewWillDo) {
   const SyntheticWorld world = synthetic_world(narrow());
   const CalibrationResult before = calibrate(world.problem);
-  const NextViews next = next_best_views(world.problem, before, std::nullopt, 1);
+  const NextViews next = next_best_views(world.problem, before, field_requirement(), 1);
   ASSERT_EQ(next.views.size(), 1u);
   const NextView& view = next.views[0];
-  EXPECT_NEAR(view.before / std::sqrt(before.variance_factor), rms_sigma(before, before.calibration.covariance), 1e-9);
+  const double scale = std::sqrt(before.variance_factor);
+  EXPECT_NEAR(view.before / scale, sigmas_in_field(before).largest, 1e-9);
   const CalibrationResult after = calibrate(with_board(world, view.rig_from_target));
-  const double real = rms_sigma(after, after.calibration.covariance);
-  EXPECT_NEAR(view.after / std::sqrt(before.variance_factor), real, 0.15 * real);
-  EXPECT_LT(view.after, 0.9 * view.before) << "the world does not leave room for a better view";
+  ASSERT_GE(after.views.back().pose, 0) << "the new view was set aside";
+  const double real = sigmas_in_field(after).largest;
+  EXPECT_NEAR(view.after / scale, real, 0.15 * real);
+  EXPECT_LT(view.after, 0.8 * view.before) << "the world does not leave room for a better view";
 }
 
-// Solved again, the suggested view does better than nine of ten boards in random places.
+// Solved again, the suggested view does better than three of four boards in random places.
 TEST(NextView, BeatsRandomViews) {
   const SyntheticWorld world = synthetic_world(narrow());
   const CalibrationResult before = calibrate(world.problem);
-  const NextViews next = next_best_views(world.problem, before, std::nullopt, 1);
+  const NextViews next = next_best_views(world.problem, before, field_requirement(), 1);
   ASSERT_EQ(next.views.size(), 1u);
-  const CalibrationResult best = calibrate(with_board(world, next.views[0].rig_from_target));
-  const double with_best = rms_sigma(best, best.calibration.covariance);
+  const double with_best = sigmas_in_field(calibrate(with_board(world, next.views[0].rig_from_target))).rms;
 
   SyntheticOptions anywhere = narrow();
   anywhere.seed = 5;
@@ -95,10 +115,9 @@ TEST(NextView, BeatsRandomViews) {
   anywhere.max_off_axis_rad = 0.9;
   std::vector<double> with_random;
   for (const BoardPose& pose : synthetic_world(anywhere).poses) {
-    const CalibrationResult result = calibrate(with_board(world, pose.rig_from_target));
-    with_random.push_back(rms_sigma(result, result.calibration.covariance));
+    with_random.push_back(sigmas_in_field(calibrate(with_board(world, pose.rig_from_target))).rms);
   }
-  EXPECT_LE(with_best, quantile(with_random, 0.1));
+  EXPECT_LE(with_best, quantile(with_random, 0.25));
 }
 
 // Adding what is already known to be certain changes nothing; adding anything never makes a parameter less certain.
@@ -115,7 +134,7 @@ TEST(NextView, NeverAddsUncertainty) {
 TEST(NextView, ListsViewsOneAfterAnother) {
   const SyntheticWorld world = synthetic_world(narrow());
   const CalibrationResult result = calibrate(world.problem);
-  const NextViews next = next_best_views(world.problem, result, requirement_from_text("projection 0.05 px at 1 m"), 3);
+  const NextViews next = next_best_views(world.problem, result, field_requirement(), 3);
   ASSERT_EQ(next.views.size(), 3u);
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_LT(next.views[i].after, next.views[i].before);
