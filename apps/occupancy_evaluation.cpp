@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "each_index.hpp"
+#include "raybundle/occupancy/seat_fit.hpp"
 
 namespace raybundle::apps {
 namespace {
@@ -16,11 +17,17 @@ constexpr double kNear_m = 0.6;  // distances beyond do not matter to any decisi
 struct Trial {
   CockpitTruth truth;
   Occupancy answer;
+  SeatFit seat;
   double nearest_dot_m = INFINITY;  // true place of the nearest dot that was measured on what is on the seat
 };
 
 bool on_seat(CabinPart part) {
   return part != CabinPart::kCar && part != CabinPart::kDashboard && part != CabinPart::kSeat;
+}
+
+bool right(const SeatFit& fit, const SeatSetting& truth) {
+  const Eigen::Vector2d off = fit.pose.bight - Eigen::Vector2d(truth.bight.x(), truth.bight.z());
+  return off.norm() < 0.01 && std::abs(fit.pose.recline_rad - truth.recline_rad) < 2 * M_PI / 180;
 }
 
 double nearest_true_dot(const MeasuredScene& scene) {
@@ -43,6 +50,9 @@ Trial trial(const CaseBase& base, const EvaluationOptions& options, std::uint64_
     trial.answer = monitor->process(scene.scan());
     trial.truth = scene.truth;
     trial.nearest_dot_m = nearest_true_dot(scene);
+    if (options.kind == SensorKind::kStereo && frame + 1 == options.frames) {
+      trial.seat = fit_seat(scene.layout, scene.scan());
+    }
   }
   return trial;
 }
@@ -79,6 +89,8 @@ void add(const Trial& trial, Evaluation& sum) {
   count_answer(seat_class, answer.situation, sum.right_class, sum.rejected_class);
   count_answer(group, answer.group, sum.right_group, sum.rejected_group);
   count_answer(decision, action, sum.right_action, sum.rejected_action);
+  if (truth.seat_class == CabinClass::kEmpty) count(trial.seat.found, sum.empty_seats_found);
+  if (trial.seat.found) count(right(trial.seat, truth.seat), sum.seats_right);
   const bool harder = action >= 0 && force_of(answer.action) > force_of(truth.decision);
   count(harder && somebody(truth.seat_class), sum.dangerous);
   count(harder && !somebody(truth.seat_class), sum.wasted);

@@ -50,6 +50,8 @@ struct Evaluation {
   /// More forceful than right, with a person or a baby seat on the seat.
   Share dangerous;
   Share wasted;                           ///< fired where nobody is: empty seats, empty boosters, objects
+  Share empty_seats_found;                ///< by the fit of the seat, of empty seats; stereo only
+  Share seats_right;                      ///< of the seats found, those within 1 cm and 2 degrees
   std::vector<double> distance_errors_m;  ///< to the nearest dot's true place, of people within 0.6 m; sorted by size
   std::vector<double> nearest_errors_m;   ///< to the nearest place of the person, seen or not; sorted by size
 };

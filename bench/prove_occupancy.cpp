@@ -18,6 +18,7 @@ using namespace raybundle::apps;
 
 constexpr double kMostDangerous = 0.001;
 constexpr double kDistance_m = 0.020;
+constexpr double kLeastSeats = 0.95;
 constexpr std::uint64_t kUnlearntSeed = 1000000000;
 
 struct Split {
@@ -50,6 +51,10 @@ bool prove(SensorKind kind, const CaseBase& base, const Split& split, int scenes
   if (laser && !e.distance_errors_m.empty()) {
     const double largest = std::abs(e.distance_errors_m.back());
     good &= print("distance of the nearest dot, largest error", largest, kDistance_m, false, "mm", 1e3);
+  }
+  if (!laser) {
+    good &= print("empty seats found", e.empty_seats_found.value(), kLeastSeats, true, "%", 100);
+    good &= print("seats found, within 1 cm and 2 degrees", e.seats_right.value(), kLeastSeats, true, "%", 100);
   }
   std::printf("  no answer: group %.2f %%, class %.2f %%; undecided %.2f %%; dangerous at most %.2f %% (95 %%)\n",
               100 * e.rejected_group.value(), 100 * e.rejected_class.value(), 100 * e.rejected_action.value(),

@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/occupancy/seat_fit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "raybundle/synthetic/random.hpp"
+
+namespace raybundle {
+namespace {
+
+const Eigen::Vector3d kEye(0.46, 0.36, 0.90);
+
+// The flat middle of an empty seat, measured at random places.
+std::vector<ScenePoint> seat_points(const SeatPose& seat, double sigma_m) {
+  Random random(3);
+  std::vector<ScenePoint> points;
+  for (int i = 0; i < 800; ++i) {
+    const bool back = i % 2 == 1;
+    const double along = random.uniform(0.0, back ? 0.6 : 0.46), across = random.uniform(-0.2, 0.2);
+    const Eigen::Vector2d place = seat.bight + along * (back ? seat.back_up() : seat.cushion_forward());
+    const Eigen::Vector3d x(place.x(), across, place.y());
+    points.push_back({i, x + sigma_m * random.normal() * (x - kEye).normalized(), sigma_m});
+  }
+  return points;
+}
+
+SeatFit fit(const std::vector<ScenePoint>& points) {
+  return fit_seat({}, {.viewpoint_in_vehicle = kEye, .points = points, .rays = 1000});
+}
+
+// Anywhere in the travel that the car allows, the truth comes back: to a tenth of what is asked without noise.
+TEST(SeatFit, FindsTrackAndRecline) {
+  for (const double track : {-0.11, 0.0, 0.11}) {
+    for (const double recline : {0.25, 0.40, 0.60}) {
+      const SeatPose truth{{-0.15 + track, -0.10}, recline, 0.21};
+      const SeatFit found = fit(seat_points(truth, 0.0));
+      ASSERT_TRUE(found.found) << track << " " << recline;
+      EXPECT_LT((found.pose.bight - truth.bight).norm(), 1e-3);
+      EXPECT_NEAR(found.pose.recline_rad, recline, 3e-3);
+      EXPECT_NEAR(found.pose.cushion_pitch_rad, 0.21, 3e-3);
+    }
+  }
+}
+
+// Noise of 1 cm a point: the bight within 1 cm, the back within 2°, and both within five of the sigmas that it tells.
+TEST(SeatFit, TellsHowSureItIs) {
+  const SeatPose truth{{-0.12, -0.12}, 0.35, 0.20};
+  const SeatFit found = fit(seat_points(truth, 0.01));
+  ASSERT_TRUE(found.found);
+  const Eigen::Vector2d error = found.pose.bight - truth.bight;
+  EXPECT_LT(error.norm(), 0.01);
+  EXPECT_LT(std::abs(found.pose.recline_rad - truth.recline_rad), 0.035);
+  EXPECT_LT(std::abs(error.x()), 5 * found.bight_sigma_m.x());
+  EXPECT_LT(std::abs(error.y()), 5 * found.bight_sigma_m.y());
+  EXPECT_LT(std::abs(found.pose.recline_rad - truth.recline_rad), 5 * found.recline_sigma_rad);
+}
+
+TEST(SeatFit, AHiddenSeatIsNotFound) {
+  EXPECT_FALSE(fit({}).found);
+  std::vector<ScenePoint> points = seat_points({}, 0.0);
+  for (ScenePoint& point : points) point.x_in_vehicle += 0.3 * (kEye - point.x_in_vehicle);
+  EXPECT_FALSE(fit(points).found);
+}
+
+}  // namespace
+}  // namespace raybundle
