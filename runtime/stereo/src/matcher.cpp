@@ -48,6 +48,12 @@ const MatchOptions& checked(ImageSize size, const MatchOptions& options) {
 
 }  // namespace
 
+std::string_view match_name(Match match) {
+  constexpr std::string_view kNames[kMatchKinds] = {"uncovered", "matched",   "weak",    "ambiguous",
+                                                    "flat",      "one_sided", "isolated"};
+  return kNames[static_cast<int>(match)];
+}
+
 struct Matcher::Data {
   MatchOptions options;
   ImageSize size;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string_view>
 
 #include "raybundle/camera/camera.hpp"
 #include "raybundle/device/image_view.hpp"
@@ -21,6 +22,10 @@ enum class Match : std::uint8_t {
   kOneSided,   ///< the right image's pixel belongs to another one, or its best disparity is at the end of the range
   kIsolated,   ///< its region is too small
 };
+inline constexpr int kMatchKinds = 7;
+
+/// uncovered, matched, weak, ambiguous, flat, one_sided or isolated.
+std::string_view match_name(Match match);
 
 struct DisparityView {
   ImageView<const float> disparity_px;  ///< 0 where there is no match

@@ -1,0 +1,127 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "stereo_frame_files.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "laser_frame_files.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/quantile.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+std::string png_from(const cv::Mat& image) {
+  std::vector<unsigned char> bytes;
+  if (!cv::imencode(".png", image, bytes)) throw Error(ErrorKind::kIo, "an image could not be made a PNG");
+  return {bytes.begin(), bytes.end()};
+}
+
+std::string png_from(GreyView image) {
+  return png_from(cv::Mat(image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.pixels),
+                          static_cast<std::size_t>(image.stride)));
+}
+
+// What the depth image holds: z of a pinhole pair, the distance from the camera of an equirectangular one.
+double depth_of(const StereoPoint& point, RectifiedProjection projection) {
+  if (projection == RectifiedProjection::kPinhole) return point.z_m;
+  return std::sqrt(point.x_m * point.x_m + point.y_m * point.y_m + point.z_m * point.z_m);
+}
+
+template <typename Value>
+std::string png_of_values(const StereoFrame& frame, Value&& value) {
+  cv::Mat image(frame.points.height, frame.points.width, CV_16U);
+  for (int v = 0; v < image.rows; ++v) {
+    for (int u = 0; u < image.cols; ++u) {
+      const double units = std::round(value(u, v));
+      image.at<std::uint16_t>(v, u) = static_cast<std::uint16_t>(units > 0 && units < 65536 ? units : 0);
+    }
+  }
+  return png_from(image);
+}
+
+std::string ply_from(const StereoFrame& frame, int points) {
+  std::string ply = fmt::format(
+      "ply\nformat binary_little_endian 1.0\n"
+      "comment metres in the rectified frame: x along the baseline, y down, z forward, from the left camera\n"
+      "element vertex {}\nproperty float x\nproperty float y\nproperty float z\nproperty float sigma\n"
+      "property uchar grey\nend_header\n",
+      points);
+  for (int v = 0; v < frame.points.height; ++v) {
+    for (int u = 0; u < frame.points.width; ++u) {
+      const StereoPoint& point = frame.points.at(u, v);
+      if (point.sigma_m == 0) continue;
+      std::array<char, sizeof point + 1> record{};
+      std::memcpy(record.data(), &point, sizeof point);
+      record.back() = static_cast<char>(frame.left.at(u, v));
+      ply.append(record.data(), record.size());
+    }
+  }
+  return ply;
+}
+
+nlohmann::ordered_json rectification_json(const Rectification& pair) {
+  constexpr double kDegrees = 180.0 / M_PI;
+  nlohmann::ordered_json json;
+  json["projection"] = rectified_projection_name(pair.camera.projection);
+  json["width"] = pair.camera.size.width;
+  json["height"] = pair.camera.size.height;
+  json["focal_px"] = pair.camera.focal_px;
+  json["centre_px"] = {pair.camera.centre_px.x(), pair.camera.centre_px.y()};
+  json["baseline_m"] = pair.baseline_m;
+  json["field_deg"] = {pair.field_x_rad * kDegrees, pair.field_y_rad * kDegrees};
+  json["kept"] = {{"left", pair.kept_left}, {"right", pair.kept_right}};
+  const Rigid3& rig = pair.rig_from_rectified;
+  json["rig_from_rectified"] = {
+      {"rotation_xyzw", {rig.rotation.x(), rig.rotation.y(), rig.rotation.z(), rig.rotation.w()}},
+      {"translation_m", {rig.translation.x(), rig.translation.y(), rig.translation.z()}}};
+  return json;
+}
+
+}  // namespace
+
+StereoFrameFiles stereo_frame_files(const StereoFrame& frame, const StereoMatcher& matcher, const std::string& left,
+                                    const std::string& right) {
+  const RectifiedProjection projection = matcher.rectification().camera.projection;
+  std::vector<double> depths, sigmas;
+  std::array<int, kMatchKinds> kinds{};
+  for (int v = 0; v < frame.points.height; ++v) {
+    for (int u = 0; u < frame.points.width; ++u) {
+      ++kinds[frame.disparity.match.at(u, v)];
+      const StereoPoint& point = frame.points.at(u, v);
+      if (point.sigma_m == 0) continue;
+      depths.push_back(depth_of(point, projection));
+      sigmas.push_back(point.sigma_m);
+    }
+  }
+  nlohmann::ordered_json json;
+  json["left"] = left;
+  json["right"] = right;
+  json["state"] = state_name(frame.state);
+  json["points"] = depths.size();
+  json["covered"] = matcher.covered();
+  for (int kind = 0; kind < kMatchKinds; ++kind) {
+    json["pixels"][std::string(match_name(static_cast<Match>(kind)))] = kinds[static_cast<std::size_t>(kind)];
+  }
+  json["depth"] = projection == RectifiedProjection::kPinhole ? "z" : "distance";
+  if (!depths.empty()) {
+    json["depth_m"] = {{"p05", quantile(depths, 0.05)}, {"median", median(depths)}, {"p95", quantile(depths, 0.95)}};
+    json["sigma_m"] = {{"median", median(sigmas)}};
+  }
+  json["calibration_sigma_px"] = matcher.calibration_sigma_px();
+  json["rectification"] = rectification_json(matcher.rectification());
+  return {png_from(frame.left),
+          png_from(frame.right),
+          png_of_values(frame, [&](int u, int v) { return 256.0 * frame.disparity.disparity_px.at(u, v); }),
+          png_of_values(frame, [&](int u, int v) { return 1000.0 * depth_of(frame.points.at(u, v), projection); }),
+          ply_from(frame, static_cast<int>(depths.size())),
+          json.dump(1) + "\n"};
+}
+
+}  // namespace raybundle::apps

@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "raybundle/stereo/stereo.hpp"
+
+namespace raybundle::apps {
+
+/// What one pair of images says, as bytes of files. The formats: docs/formats/stereo.md.
+struct StereoFrameFiles {
+  std::string left_png;       ///< rectified
+  std::string right_png;      ///< rectified
+  std::string disparity_png;  ///< 16 bits [1/256 px], 0: no match
+  std::string depth_png;      ///< 16 bits [mm], 0: no point
+  std::string ply;            ///< binary: points with sigma and grey value
+  std::string json;
+};
+
+/// @param left, right  the paths, for the record
+StereoFrameFiles stereo_frame_files(const StereoFrame& frame, const StereoMatcher& matcher, const std::string& left,
+                                    const std::string& right);
+
+}  // namespace raybundle::apps
