@@ -12,7 +12,7 @@
 namespace raybundle {
 namespace {
 
-constexpr int kRing = 3;           // radius at half the resolution: six pixels, less than between two dots
+constexpr int kRing = 2;           // at half the resolution: beyond most of a spot, but near, for light is uneven
 constexpr int kWeights = 16;       // of the smoothing, 1 2 1 both ways
 constexpr double kNoiseGain = 12;  // sigma of a smoothed value over that of a pixel: sqrt(4 * 36)
 constexpr std::size_t kMostPeaks = 8192;
@@ -27,7 +27,7 @@ DotFinder::DotFinder(ImageSize size, int most_dots, const DotFinderOptions& opti
       half_(static_cast<std::size_t>(width_) * height_),
       rows_(half_.size()),
       smooth_(half_.size()),
-      signal_(width_),
+      signal_(half_.size()),
       most_dots_(most_dots) {
   peaks_.reserve(kMostPeaks);
   dots_.reserve(kMostPeaks);
@@ -66,36 +66,44 @@ void DotFinder::smooth() {
   }
 }
 
-// Places that outshine every pair of opposite places of a ring around them, and their neighbours.
-void DotFinder::find_peaks(const GreyView& on, bool difference) {
-  peaks_.clear();
-  const double pixels = difference ? 2.0 : 1.0;  // that make a value's noise
-  const double dark = pixels * options_.read_noise * options_.read_noise;
-  const auto least = static_cast<std::int16_t>(
-      std::min(30000.0, std::max(double(kWeights), options_.least_signal * kNoiseGain * std::sqrt(dark))));
-  constexpr int kDiagonal = 2;
+// How much each place outshines the brightest of the pairs of opposite places around it. A slope of light leaves the
+// means of pairs alone; an edge or a ridge lifts that of the pair along it.
+void DotFinder::outshine() {
   const std::ptrdiff_t w = width_;
   for (int v = kRing + 1; v < height_ - kRing - 1; ++v) {
     const std::int16_t* s = smooth_.data() + v * w;
+    std::int16_t* signal = signal_.data() + v * w;
     for (int u = kRing + 1; u < width_ - kRing - 1; ++u) {
-      // Means of opposite places: a slope leaves them alone, an edge or a ridge lifts the pair along it.
       const auto pair = [s, u](std::ptrdiff_t step) {
         return static_cast<std::int16_t>((s[u - step] >> 1) + (s[u + step] >> 1));
       };
       const std::int16_t straight = std::max(pair(kRing), pair(kRing * w));
-      const std::int16_t diagonal = std::max(pair(kDiagonal * w + kDiagonal), pair(kDiagonal * w - kDiagonal));
-      signal_[u] = static_cast<std::int16_t>(s[u] - std::max(straight, diagonal));
+      const std::int16_t rising = std::max(pair(w + kRing), pair(kRing * w + 1));
+      const std::int16_t falling = std::max(pair(w - kRing), pair(kRing * w - 1));
+      signal[u] = static_cast<std::int16_t>(s[u] - std::max(straight, std::max(rising, falling)));
     }
+  }
+}
+
+// Where that is more than noise, and more than next to it.
+void DotFinder::find_peaks(const GreyView& on, bool difference) {
+  peaks_.clear();
+  const double images = difference ? 2.0 : 1.0;  // whose noise is in a value
+  const double dark = images * options_.read_noise * options_.read_noise;
+  const auto least = static_cast<std::int16_t>(
+      std::min(30000.0, std::max(double(kWeights), options_.least_signal * kNoiseGain * std::sqrt(dark))));
+  const std::ptrdiff_t w = width_;
+  for (int v = kRing + 1; v < height_ - kRing - 1; ++v) {
+    const std::int16_t* s = signal_.data() + v * w;
     for (int u = kRing + 1; u < width_ - kRing - 1; ++u) {
-      if (signal_[u] < least) continue;
       const std::int16_t here = s[u];
+      if (here < least) continue;
       const bool highest = here > s[u - 1] && here >= s[u + 1] && here > s[u - w - 1] && here > s[u - w] &&
                            here > s[u - w + 1] && here >= s[u + w - 1] && here >= s[u + w] && here >= s[u + w + 1];
       if (!highest) continue;
       const double grey = on.at(2 * u, 2 * v);
-      const double sigma = kNoiseGain * std::sqrt(dark + pixels * options_.grey_per_electron * grey);
-      if (signal_[u] >= options_.least_signal * sigma && peaks_.size() < kMostPeaks)
-        peaks_.push_back({u, v, signal_[u]});
+      const double sigma = kNoiseGain * std::sqrt(dark + images * options_.grey_per_electron * grey);
+      if (here >= options_.least_signal * sigma && peaks_.size() < kMostPeaks) peaks_.push_back({u, v});
     }
   }
 }
@@ -104,6 +112,7 @@ std::span<const Dot> DotFinder::find(const GreyView& on, const GreyView& off) {
   assert(on.width == size_.width && on.height == size_.height);
   halve(on, off);
   smooth();
+  outshine();
   find_peaks(on, off.pixels != nullptr);
   dots_.clear();
   const SpotNoise noise{options_.read_noise, options_.grey_per_electron};

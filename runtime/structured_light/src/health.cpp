@@ -54,8 +54,9 @@ Health::Frame Health::frame_of(std::span<const Sample> samples) const {
     const Eigen::Vector2d gradient = sample.ray.per_px.transpose() * beam.normal;
     const double of_dot = gradient.dot(sample.covariance_px2 * gradient);
     const double of_beam = beam.off_plane_variance(point.along_m, point.inverse_distance);
-    const double weight = 1.0 / (of_dot + of_beam);
-    const double clip = kClip_sigmas / std::sqrt(weight);
+    // Over the window the dots' noise averages out, the beams' errors stay.
+    const double weight = 1.0 / (of_dot / static_cast<double>(frames_.size()) + of_beam);
+    const double clip = kClip_sigmas * std::sqrt(of_dot + of_beam);
     const double off = std::clamp(beam.off_plane(sample.ray.direction), -clip, clip);
     Vector4 by;
     by << beam.off_plane_by_wavelength(point.along_m, point.inverse_distance),
@@ -66,7 +67,7 @@ Health::Frame Health::frame_of(std::span<const Sample> samples) const {
     frame.by_beams += weight * weight * of_beam * square;
     // Beams that have been moved to another wavelength leave the rest only.
     frame.right += weight * (off + by[0] * beams_.log_wavelength) * by;
-    frame.squares += weight * off * off;
+    frame.squares += off * off / (of_dot + of_beam);
     ++frame.dots;
   }
   return frame;

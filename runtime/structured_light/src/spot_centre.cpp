@@ -12,6 +12,8 @@ namespace {
 
 constexpr int kHalf = 6;  // of the window
 constexpr int kSide = 2 * kHalf + 1;
+constexpr int kNearRim = 4;                // of small spots' surroundings
+constexpr double kLargestOfNear_px = 1.3;  // sigma of a spot that leaves the near rim dark
 constexpr int kIterations = 4;
 constexpr double kFarthest_px = 2.5;      // from the start
 constexpr double kLeastRadius_px = 2.5;   // of the weights
@@ -28,14 +30,15 @@ struct Surroundings {
   float sigma = 0;                            // about it
 };
 
-// A plane through the window's rim, without what stands out of it: the next dot, an edge's other side.
-Surroundings surroundings_of(const Window& window) {
+// A plane through a square ring around the window's middle, without what stands out of it: the next dot, an edge's
+// other side.
+Surroundings surroundings_of(const Window& window, int rim) {
   Surroundings plane;
-  const auto each = [](auto&& use) {
-    for (int i = -kHalf; i <= kHalf; ++i) {
-      use(i, -kHalf);
-      use(i, kHalf);
-      if (std::abs(i) < kHalf) use(-kHalf, i), use(kHalf, i);
+  const auto each = [rim](auto&& use) {
+    for (int i = -rim; i <= rim; ++i) {
+      use(i, -rim);
+      use(i, rim);
+      if (std::abs(i) < rim) use(-rim, i), use(rim, i);
     }
   };
   float limit = 1e9F;
@@ -50,7 +53,7 @@ Surroundings surroundings_of(const Window& window) {
       su += value * static_cast<float>(u), suu += static_cast<float>(u * u);
       sv += value * static_cast<float>(v), svv += static_cast<float>(v * v);
     });
-    if (n < 2 * kSide) break;
+    if (n < static_cast<float>(4 * rim)) break;
     plane = {sum / n, su / suu, sv / svv, 0};
     float kept = 0;
     each([&](int u, int v) {
@@ -126,73 +129,100 @@ bool is_defect(const Window& window, const GreyView& on, int u0, int v0, double 
   return peak > kHotPixelShare * light || (saturated > 4 && saturated > kMostSaturated * lit);
 }
 
+// A spot's light above its surroundings, and its centre.
+struct Fit {
+  Window light;
+  Surroundings plane;
+  Eigen::Vector2d centre;  // from the window's middle
+  Eigen::Matrix2d spread;  // of the light within the weights
+  Moments sums;
+  double radius = 0.0;  // of the weights
+
+  // Variance of the light without the weights, which narrow it as they would a Gaussian: 1/s² = 1/spread - 4/r².
+  double widened(double variance) const {
+    const double of_weights = radius * radius / 4.0;
+    return variance < 0.9 * of_weights ? variance * of_weights / (of_weights - variance) : 9.0 * of_weights;
+  }
+};
+
+std::optional<Fit> fit_spot(const Window& window, const Eigen::Vector2d& begin, int rim) {
+  Fit fit;
+  fit.plane = surroundings_of(window, rim);
+  for (int y = 0; y < kSide; ++y) {
+    const float level = fit.plane.level + fit.plane.slope_v * static_cast<float>(y - kHalf);
+    for (int x = 0; x < kSide; ++x) {
+      fit.light[y * kSide + x] = window[y * kSide + x] - level - fit.plane.slope_u * static_cast<float>(x - kHalf);
+    }
+  }
+  fit.centre = begin;
+  fit.radius = std::min(4.0, double(rim));
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    const AxisWeights along_u(fit.centre.x(), fit.radius), along_v(fit.centre.y(), fit.radius);
+    fit.sums = moments_of(fit.light, along_u, along_v, fit.centre);
+    const Moments& sums = fit.sums;
+    if (!(sums.light > 0.0 && sums.steep_u > 0.0 && sums.steep_v > 0.0)) return std::nullopt;
+    fit.centre +=
+        Eigen::Vector2d(std::clamp(sums.u / sums.steep_u, -1.0, 1.0), std::clamp(sums.v / sums.steep_v, -1.0, 1.0));
+    if ((fit.centre - begin).cwiseAbs().maxCoeff() > kFarthest_px) return std::nullopt;
+    fit.spread << sums.uu, sums.uv, sums.uv, sums.vv;
+    fit.spread /= sums.light;
+    const double size2 = fit.widened(std::max(0.0, 0.5 * fit.spread.trace()));
+    if (iteration < 2) fit.radius = std::clamp(kRadiusBySigma * std::sqrt(size2), kLeastRadius_px, double(rim));
+  }
+  return fit;
+}
+
+// Of shot noise, read noise and rounding, or of the unrest around the spot where that is more.
+Eigen::Matrix2d covariance_of(const Fit& fit, const GreyView& on, int u0, int v0, double images,
+                              const SpotNoise& noise) {
+  const AxisWeights along_u(fit.centre.x(), fit.radius), along_v(fit.centre.y(), fit.radius);
+  const double unrest = fit.plane.sigma * fit.plane.sigma;
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  for (int y = 0; y < kSide; ++y) {
+    if (along_v.weight[y] == 0.0F) continue;
+    const std::uint8_t* row = on.row(v0 + y - kHalf) + u0 - kHalf;
+    for (int x = 0; x < kSide; ++x) {
+      const double shot = images * (noise.read * noise.read + noise.grey_per_electron * row[x] + 1.0 / 12.0);
+      const Eigen::Vector2d by(along_u.moment[x] * along_v.weight[y] / fit.sums.steep_u,
+                               along_u.weight[x] * along_v.moment[y] / fit.sums.steep_v);
+      covariance += std::max(shot, unrest) * by * by.transpose();
+    }
+  }
+  return covariance;
+}
+
 }  // namespace
 
 std::optional<Spot> spot_centre(const GreyView& on, const GreyView& off, const Eigen::Vector2d& start,
                                 const SpotNoise& noise) {
   const int u0 = static_cast<int>(start.x()), v0 = static_cast<int>(start.y());
   if (u0 < kHalf || v0 < kHalf || u0 + kHalf >= on.width || v0 + kHalf >= on.height) return std::nullopt;
+  const bool difference = off.pixels != nullptr;
   Window window;
   for (int y = 0; y < kSide; ++y) {
     const std::uint8_t* row = on.row(v0 + y - kHalf) + u0 - kHalf;
     for (int x = 0; x < kSide; ++x) window[y * kSide + x] = row[x];
-    if (off.pixels == nullptr) continue;
+    if (!difference) continue;
     row = off.row(v0 + y - kHalf) + u0 - kHalf;
     for (int x = 0; x < kSide; ++x) window[y * kSide + x] -= row[x];
   }
-  const Surroundings plane = surroundings_of(window);
-  for (int y = 0; y < kSide; ++y) {
-    const float level = plane.level + plane.slope_v * static_cast<float>(y - kHalf);
-    for (int x = 0; x < kSide; ++x) window[y * kSide + x] -= level + plane.slope_u * static_cast<float>(x - kHalf);
+  // Near surroundings, for light is uneven; farther ones for spots that reach into them.
+  const Eigen::Vector2d begin = start - Eigen::Vector2d(u0, v0);
+  std::optional<Fit> fit = fit_spot(window, begin, kNearRim);
+  if (!fit || fit->widened(std::max(0.0, 0.5 * fit->spread.trace())) > kLargestOfNear_px * kLargestOfNear_px) {
+    fit = fit_spot(window, begin, kHalf);
   }
+  if (!fit) return std::nullopt;
 
-  Eigen::Vector2d centre = start - Eigen::Vector2d(u0, v0);
-  const Eigen::Vector2d begin = centre;
-  double radius = 4.0;
-  Eigen::Matrix2d spread;
-  Moments sums;
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
-    const AxisWeights along_u(centre.x(), radius), along_v(centre.y(), radius);
-    sums = moments_of(window, along_u, along_v, centre);
-    if (!(sums.light > 0.0 && sums.steep_u > 0.0 && sums.steep_v > 0.0)) return std::nullopt;
-    centre +=
-        Eigen::Vector2d(std::clamp(sums.u / sums.steep_u, -1.0, 1.0), std::clamp(sums.v / sums.steep_v, -1.0, 1.0));
-    if ((centre - begin).cwiseAbs().maxCoeff() > kFarthest_px) return std::nullopt;
-    spread << sums.uu, sums.uv, sums.uv, sums.vv;
-    spread /= sums.light;
-    // The weights narrow the spot as they would a Gaussian one: 1/s² = 1/spread - 4/r², about its centre.
-    const double narrowed = 0.5 * spread.trace(), of_weights = radius * radius / 4.0;
-    const double size2 =
-        narrowed < 0.9 * of_weights ? narrowed * of_weights / (of_weights - narrowed) : 9.0 * of_weights;
-    if (iteration < 2) radius = std::clamp(kRadiusBySigma * std::sqrt(size2), kLeastRadius_px, double(kHalf));
-  }
-
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(spread);
-  const double of_weights = radius * radius / 4.0, longer = axes.eigenvalues()[1], shorter = axes.eigenvalues()[0];
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(fit->spread);
+  const double longer = axes.eigenvalues()[1], shorter = axes.eigenvalues()[0];
   if (!(shorter > 0.0) || longer > kMostElongated * kMostElongated * shorter) return std::nullopt;
-  const float peak = *std::max_element(window.begin(), window.end());
-  if (peak < kLeastOverUnrest * plane.sigma || is_defect(window, on, u0, v0, sums.light)) return std::nullopt;
-
-  Spot spot;
-  spot.pixel = centre + Eigen::Vector2d(u0, v0);
-  spot.major_sigma_px =
-      std::sqrt(longer < 0.9 * of_weights ? longer * of_weights / (of_weights - longer) : 9.0 * of_weights);
-  spot.brightness = sums.light;
-  const AxisWeights along_u(centre.x(), radius), along_v(centre.y(), radius);
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
-  const double unrest = plane.sigma * plane.sigma;
-  for (int y = 0; y < kSide; ++y) {
-    const std::uint8_t* row = on.row(v0 + y - kHalf) + u0 - kHalf;
-    for (int x = 0; x < kSide; ++x) {
-      const double pixels = off.pixels == nullptr ? 1.0 : 2.0;
-      const double shot = pixels * (noise.read * noise.read + noise.grey_per_electron * row[x] + 1.0 / 12.0);
-      const Eigen::Vector2d by(along_u.moment[x] * along_v.weight[y] / sums.steep_u,
-                               along_u.weight[x] * along_v.moment[y] / sums.steep_v);
-      covariance += std::max(shot, unrest) * by * by.transpose();
-    }
+  const float peak = *std::max_element(fit->light.begin(), fit->light.end());
+  if (peak < kLeastOverUnrest * fit->plane.sigma || is_defect(fit->light, on, u0, v0, fit->sums.light)) {
+    return std::nullopt;
   }
-  spot.covariance_px2 = covariance;
-  return spot;
+  return Spot{fit->centre + Eigen::Vector2d(u0, v0), covariance_of(*fit, on, u0, v0, difference ? 2.0 : 1.0, noise),
+              std::sqrt(fit->widened(longer)), fit->sums.light};
 }
 
 }  // namespace raybundle

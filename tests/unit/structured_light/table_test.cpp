@@ -12,9 +12,9 @@ namespace {
 
 using testing::sensor_world;
 
-// A table of few bytes: a small image, two by two beams.
+// A table of few bytes: a small image, three by three beams of which it sees the middle.
 SensorTable small_table() {
-  testing::SensorWorld world = sensor_world({2, 2}, 12.0);
+  testing::SensorWorld world = sensor_world({3, 3}, 12.0);
   world.camera.camera = start_camera(*model_named("pinhole"), {48, 32}, 60.0);
   world.calibration.cameras = {world.camera};
   return sensor_table(world.calibration, "", {}, "a test");

@@ -43,18 +43,17 @@ class DotFinder {
  private:
   struct Peak {
     int u = 0, v = 0;  ///< at half the resolution
-    int signal = 0;
   };
 
   void halve(const GreyView& on, const GreyView& off);
   void smooth();
+  void outshine();
   void find_peaks(const GreyView& on, bool difference);
 
   ImageSize size_;
   DotFinderOptions options_;
   int width_, height_;  ///< at half the resolution
-  std::vector<std::int16_t> half_, rows_, smooth_;
-  std::vector<std::int16_t> signal_;
+  std::vector<std::int16_t> half_, rows_, smooth_, signal_;
   std::vector<Peak> peaks_;
   std::vector<Dot> dots_;
   std::size_t most_dots_;

@@ -13,7 +13,7 @@ namespace raybundle {
 
 struct HealthOptions {
   int window = 10;                  ///< frames that are judged together
-  double false_alarm_rate = 1e-8;   ///< for each frame, by the chi-squared law of three degrees of freedom
+  double false_alarm_rate = 1e-6;   ///< for each frame, by the chi-squared law of three degrees of freedom
   int least_dots = 30;              ///< labelled, in the window: with fewer nothing is known
   double wavelength_sigma = 0.005;  ///< of ln(wavelength), before anything is seen: 15 K of a laser diode
 };
