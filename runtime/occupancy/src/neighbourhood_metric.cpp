@@ -59,13 +59,14 @@ Eigen::MatrixXd neighbourhood_metric(Eigen::MatrixXd metric, const Eigen::Matrix
                                      const std::vector<std::uint8_t>& classes, const MetricSearch& search) {
   constexpr float kFirst = 0.9F, kSecond = 0.99F, kLeast = 1e-8F;
   const Eigen::MatrixXf all = attributes.cast<float>();
+  const auto cases = static_cast<int>(all.cols());
   Eigen::MatrixXf turned = metric.cast<float>();
   // The attributes are of different sizes: a step is relative to how large the start values of a column are.
   const Eigen::RowVectorXf size = turned.colwise().norm() / std::sqrt(static_cast<float>(turned.rows()));
   Eigen::MatrixXf mean = Eigen::MatrixXf::Zero(turned.rows(), turned.cols()), square = mean;
   std::mt19937_64 random(1);
   for (int step = 1; step <= search.steps; ++step) {
-    const Sample batch(all, kBatch, random), others(all, kReferences, random);
+    const Sample batch(all, std::min(kBatch, cases), random), others(all, std::min(kReferences, cases), random);
     Eigen::MatrixXf up = gradient(turned, batch, others, classes) * size.asDiagonal();
     up -= static_cast<float>(search.decay) * turned * size.cwiseInverse().asDiagonal();
     mean = kFirst * mean + (1 - kFirst) * up;

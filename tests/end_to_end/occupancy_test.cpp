@@ -1,0 +1,116 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "occupancy_scenes.hpp"
+#include "program.hpp"
+
+namespace raybundle::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kVehicle = R"([vehicle]
+dashboard_x_m = 0.70
+dashboard_top_m = 0.46
+zone_floor_m = 0.30
+zone_half_width_m = 0.32
+critical_m = 0.20
+out_of_position_m = 0.40
+[sensor]
+rows = 11
+columns = 11
+rotation_xyzw = [0, 0, 0, 1]
+translation_m = [0, 0, 0]
+viewpoint_m = [0.46, 0.36, 0.90]
+)";
+
+// A base of few scenes; learnt once for all tests.
+const std::string& learnt_base() {
+  static const std::string path = [] {
+    const fs::path folder = fs::temp_directory_path() / ("raybundle_occupancy_" + std::to_string(::getpid()));
+    fs::create_directories(folder);
+    const std::string base = (folder / "seats.rbcases").string();
+    const ProgramRun run = raybundle_program({"occupancy", "learn", "--scenes", "240", "-o", base});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return base;
+  }();
+  return path;
+}
+
+// Points of a simulated cabin as `reconstruct structured-light` writes them, the camera's frame being the vehicle's.
+std::string points_text(CabinClass wanted, std::uint64_t seed) {
+  const apps::MeasuredScene scene = apps::measured_scene(
+      {apps::SensorKind::kStructuredLight, {CockpitGenerator::kTraining, seed, wanted, 0.0}, {11, 11}, {128, 128}});
+  nlohmann::json points = nlohmann::json::array();
+  for (const ScenePoint& point : scene.points) {
+    const double variance = point.sigma_m * point.sigma_m / 3;
+    const Eigen::Vector3d& x = point.x_in_vehicle;
+    points.push_back({{"row", point.ray / 11},
+                      {"column", point.ray % 11},
+                      {"x_in_camera_m", {x.x(), x.y(), x.z()}},
+                      {"covariance_m2", {variance, 0, 0, 0, variance, 0, 0, 0, variance}}});
+  }
+  return nlohmann::json{{"format", "raybundle laser points"}, {"version", 1}, {"state", "OK"}, {"points", points}}
+      .dump();
+}
+
+TEST(Occupancy, EvaluatesBothSplitsTheSameOnAnyNumberOfThreads) {
+  const auto figures = [](const char* threads) {
+    const ProgramRun run = raybundle_program(
+        {"occupancy", "evaluate", learnt_base(), "--scenes", "16", "--frames", "1", "--threads", threads, "--json"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.out;
+  };
+  const std::string one = figures("1");
+  EXPECT_EQ(one, figures("3"));
+  const auto json = nlohmann::json::parse(one);
+  ASSERT_EQ(json["splits"].size(), 2u);
+  for (const auto& split : json["splits"]) {
+    EXPECT_EQ(split["scenes"], 16);
+    EXPECT_EQ(split["dangerous"]["trials"], 16);
+  }
+}
+
+// What allows has to last three frames; an empty seat is never fired at.
+TEST(Occupancy, ClassifiesFramesOfLaserPoints) {
+  const fs::path folder = fresh_folder();
+  write_text(folder / "vehicle.toml", kVehicle);
+  write_text(folder / "empty.json", points_text(CabinClass::kEmpty, 5));
+  const std::string frame = (folder / "empty.json").string();
+  const ProgramRun run = raybundle_program({"occupancy", "classify", learnt_base(), frame, frame, frame, "--vehicle",
+                                            (folder / "vehicle.toml").string(), "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto frames = nlohmann::json::parse(run.out)["frames"];
+  ASSERT_EQ(frames.size(), 3u);
+  for (const auto& answer : frames) EXPECT_NE(answer["airbag"], "fire");
+}
+
+TEST(Occupancy, SaysWhatIsWrongWithItsInput) {
+  const fs::path folder = fresh_folder();
+  write_text(folder / "vehicle.toml", kVehicle);
+  write_text(folder / "points.json", points_text(CabinClass::kEmpty, 5));
+  const auto classify = [&](const std::string& base, const std::string& points, const std::string& vehicle) {
+    return raybundle_program(
+        {"occupancy", "classify", base, (folder / points).string(), "--vehicle", (folder / vehicle).string()});
+  };
+  const std::string bytes = text_of(learnt_base());
+  write_text(folder / "cut.rbcases", bytes.substr(0, bytes.size() / 2));
+  EXPECT_EQ(classify((folder / "cut.rbcases").string(), "points.json", "vehicle.toml").exit_code, 2);
+  EXPECT_EQ(classify((folder / "none.rbcases").string(), "points.json", "vehicle.toml").exit_code, 5);
+
+  std::string vehicle = kVehicle;
+  write_text(folder / "unknown.toml", vehicle + "colour = 3\n");
+  const ProgramRun unknown = classify(learnt_base(), "points.json", "unknown.toml");
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_NE(unknown.err.find("colour"), std::string::npos);
+
+  write_text(folder / "broken.json", "{\"format\": \"raybundle laser points\"");
+  EXPECT_EQ(classify(learnt_base(), "broken.json", "vehicle.toml").exit_code, 2);
+}
+
+}  // namespace
+}  // namespace raybundle::testing
