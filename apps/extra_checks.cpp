@@ -41,14 +41,18 @@ void add_second_opinion(const CalibrationProblem& problem, const CalibrationResu
     findings.text += "second opinion: there is none: " + opinion.why_not + "\n";
     return;
   }
-  const CalibrationComparison comparison = compare(result.calibration, *opinion.calibration);
-  Json json{{"source", opinion.source}, {"rms_px", opinion.rms_px}, {"comparison", json_from_comparison(comparison)}};
+  const CalibrationComparison comparison = compare(opinion.counterpart, *opinion.calibration);
+  const Json json{{"source", opinion.source},
+                  {"rms_px", opinion.rms_px},
+                  {"remark", opinion.remark},
+                  {"comparison", json_from_comparison(comparison)}};
   findings.sections.push_back({"second_opinion", json.dump()});
   findings.text += fmt::format("second opinion: {}, rms {:.3f} px:", opinion.source, opinion.rms_px);
   for (const ProjectionDifference& d : comparison.projections) {
     findings.text += fmt::format(" {} projects at most {:.4f} px apart,", d.camera, d.largest_px);
   }
-  findings.text.back() = '\n';
+  findings.text.back() = ' ';
+  findings.text += opinion.remark.empty() ? "\n" : "(" + opinion.remark + ")\n";
 }
 
 }  // namespace

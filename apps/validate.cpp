@@ -12,6 +12,7 @@
 #include "raybundle/calibrate/calibrate.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
+#include "residual_text.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 
@@ -33,6 +34,7 @@ struct CameraVerdict {
   CameraSummary summary;
   double limit_px = 0.0;
   double min_share = 0.0;
+  ResidualBias bias = {};
 
   double share() const { return summary.views_total > 0 ? double(summary.views_used) / summary.views_total : 0.0; }
   bool fits() const { return summary.views_used > 0 && summary.rms_px <= limit_px; }
@@ -59,6 +61,7 @@ void print_json(const std::vector<CameraVerdict>& verdicts, const std::optional<
                        {"views_total", verdict.summary.views_total},
                        {"min_views_share", verdict.min_share},
                        {"corners_used", verdict.summary.corners_used},
+                       {"residuals", json_from_bias(verdict.bias)},
                        {"passed", verdict.passed()}});
   }
   nlohmann::ordered_json json{{"passed", passed}, {"cameras", cameras}};
@@ -75,6 +78,9 @@ void print_table(const std::vector<CameraVerdict>& verdicts) {
                     fmt::format("{:.3f}", verdict.limit_px), verdict.passed() ? "pass" : "FAIL"});
   }
   fmt::print("{}", text_table(rows));
+  for (const CameraVerdict& verdict : verdicts) {
+    if (verdict.summary.views_used > 0) fmt::print("{}", bias_text(verdict.name, verdict.bias));
+  }
 }
 
 // Why a camera failed.
@@ -114,7 +120,9 @@ void run(const ValidateFlags& flags) {
   std::vector<CameraVerdict> verdicts;
   for (std::size_t c = 0; c < problem.cameras.size(); ++c) {
     const std::string& name = problem.cameras[c].name;
-    verdicts.push_back({name, result.cameras[c], limit_px(flags, file, name), flags.min_share});
+    const Camera& lens = camera_named(file.calibration, name).camera;
+    verdicts.push_back({name, result.cameras[c], limit_px(flags, file, name), flags.min_share,
+                        residual_bias(problem, result, static_cast<int>(c), lens)});
   }
   std::optional<LaserVerdict> dots;
   const bool any_dots =

@@ -116,7 +116,8 @@ ResidualBias residual_bias(const CalibrationProblem& problem, const CalibrationR
       const std::optional<Eigen::Vector3d> ray = ray_from_pixel(lens, pixel);
       if (!ray) continue;
       const double angle = std::atan2(ray->head<2>().norm(), ray->z());
-      bands[static_cast<std::size_t>(angle / kBandRad)].add(v, radial_and_tangential(lens, pixel, residual));
+      const auto band = std::min(static_cast<std::size_t>(angle / kBandRad), bands.size() - 1);
+      bands[band].add(v, radial_and_tangential(lens, pixel, residual));
     }
   }
   for (const Gathered& part : parts) bias.parts.push_back(part.group());
