@@ -118,4 +118,27 @@ CabinSensor stereo_sensor(CockpitGenerator generator, std::uint64_t seed, const 
   return sensor;
 }
 
+Calibration calibration_of(const CabinSensor& sensor) {
+  constexpr double kSigma = 3e-4, kNearest_m = 0.25, kMiddle_m = 0.7, kFarthest_m = 1.3;
+  constexpr int kHits = 60;
+  Calibration calibration;
+  for (const SimulatedCamera& camera : sensor.rig.cameras) {
+    calibration.cameras.push_back({camera.name, camera.camera, camera.camera_from_rig});
+  }
+  if (!sensor.rig.emitter) return calibration;
+  const Emitter& emitter = *sensor.rig.emitter;
+  LaserPattern pattern{emitter.grid, {}, std::nullopt, emitter.zero_order_row, emitter.zero_order_column};
+  for (const EmittedBeam& emitted : beams_of(emitter)) {
+    if (!emitted.labelled()) continue;
+    LaserBeam beam{emitted.row, emitted.column, {emitted.line.at(kMiddle_m), emitted.line.direction}};
+    beam.covariance = kSigma * kSigma * Eigen::Matrix4d::Identity();
+    beam.hits = kHits;
+    beam.nearest_hit_m = kNearest_m;
+    beam.farthest_hit_m = kFarthest_m;
+    pattern.beams.push_back(beam);
+  }
+  calibration.laser = pattern;
+  return calibration;
+}
+
 }  // namespace raybundle

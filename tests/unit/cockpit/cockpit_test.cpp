@@ -88,7 +88,7 @@ TEST_P(EveryScene, SetsTheSeatWithinItsTravelAndItsPlanesMeetInTheBight) {
   }
 }
 
-// What is on a seat sinks into its upholstery, but not through it: not more than flesh and foam give way.
+// What is on a seat sinks into its upholstery, but not through it: flesh and foam together give way by up to 9 cm.
 TEST_P(EveryScene, HasNothingDeepInTheCushionOrTheBack) {
   if (wanted() == CabinClass::kEmpty || wanted() == CabinClass::kOutOfPosition) GTEST_SKIP() << "nobody sits there";
   for (int seed = 1; seed <= kSeeds; ++seed) {
@@ -111,7 +111,7 @@ TEST_P(EveryScene, HasNothingDeepInTheCushionOrTheBack) {
       }
     }
     ASSERT_FALSE(above.empty());
-    EXPECT_GT(*std::ranges::min_element(above), -0.07) << "seed " << seed;
+    EXPECT_GT(*std::ranges::min_element(above), -0.09) << "seed " << seed;
     EXPECT_LT(*std::ranges::min_element(above), 0.08) << "it hovers; seed " << seed;
     if (!before.empty()) {
       EXPECT_GT(*std::ranges::min_element(before), -0.09) << "seed " << seed;
