@@ -111,7 +111,8 @@ struct Matcher::Data {
     }
   }
 
-  Match judged(std::size_t x, const std::uint8_t* right_covered, int strength_limit, int peak_limit) const {
+  Match judged(std::size_t x, const std::uint8_t* right_covered, int uniqueness_limit, int strength_limit,
+               int peak_limit) const {
     const int d = best[x];
     const int at = static_cast<int>(x) - options.least_disparity - d;
     if (at < 0 || d + 1 == options.disparities) return Match::kOneSided;
@@ -120,20 +121,22 @@ struct Matcher::Data {
       return Match::kOneSided;
     }
     if (cost[x] > strength_limit) return Match::kWeak;
-    if (second[x] - least_sum[x] < options.uniqueness * second[x]) return Match::kAmbiguous;
+    if (second[x] - least_sum[x] < uniqueness_limit) return Match::kAmbiguous;
     if (options.peak > 0 && std::min(before[x], after[x]) - cost[x] < peak_limit) return Match::kFlat;
     return Match::kMatched;
   }
 
   void judge(int v, const std::uint8_t* left_covered, const std::uint8_t* right_covered) {
+    const int uniqueness_limit =
+        static_cast<int>(std::ceil(options.uniqueness * costs.most() * (options.paths ? kPaths : 1)));
     const int strength_limit = static_cast<int>(options.strength * costs.most());
     const int peak_limit = static_cast<int>(std::ceil(options.peak * costs.most()));
     const std::size_t first = static_cast<std::size_t>(v) * size.width;
     for (std::size_t x = 0; x < best.size(); ++x) {
       const bool covered = left_covered == nullptr || left_covered[first + x] != 0;
-      const Match state = covered
-                              ? judged(x, right_covered ? right_covered + first : nullptr, strength_limit, peak_limit)
-                              : Match::kUncovered;
+      const Match state = covered ? judged(x, right_covered ? right_covered + first : nullptr, uniqueness_limit,
+                                           strength_limit, peak_limit)
+                                  : Match::kUncovered;
       match[first + x] = static_cast<std::uint8_t>(state);
       disparity_px[first + x] = state == Match::kMatched ? static_cast<float>(best[x] + options.least_disparity) +
                                                                sub_pixel(before[x], cost[x], after[x])

@@ -40,7 +40,7 @@ struct MatchOptions {
   double large_step = 0.8;  ///< cost of one that changes by more
 
   double uniqueness =
-      0.1;                ///< least (second - best) / second, where second is the best cost that is not beside the best
+      0.12;  ///< least lead over the second best that is not beside the best, as a share of the largest sum
   double strength = 1.0;  ///< largest cost of a match, as a share of the largest cost there is
   double peak = 0.0;      ///< least rise of the cost to the lower neighbour, as a share of the largest cost there is
   int left_right_px = 1;  ///< most disagreement of both directions; negative: not checked

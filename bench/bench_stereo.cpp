@@ -1,0 +1,218 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+// Stereo matching beside OpenCV's StereoBM and StereoSGBM in one run, on one thread: time of the whole chain, and wrong
+// matches at the density that the other has. A match is wrong when it is more than 1 px from the truth; the columns
+// whose partner may lie outside of the right image count for nobody.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <ctime>
+#include <functional>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+#include <vector>
+
+#include "raybundle/geometry/quantile.hpp"
+#include "raybundle/stereo/stereo.hpp"
+
+namespace {
+
+using namespace raybundle;
+
+struct Scene {
+  std::string name;
+  cv::Mat left, right, truth_px;  // 0: not known
+  int disparities = 0;
+};
+
+// Time of this thread only: other programs on the machine do not count.
+double seconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+double median_ms(int runs, const std::function<void()>& work) {
+  std::vector<double> times;
+  for (int i = 0; i < runs; ++i) {
+    const double begin = seconds();
+    work();
+    times.push_back(1e3 * (seconds() - begin));
+  }
+  return median(times);
+}
+
+GreyView view_of(const cv::Mat& image) {
+  return {image.data, image.cols, image.rows, static_cast<std::ptrdiff_t>(image.step[0])};
+}
+
+Scene scene_from(const std::string& name, const std::string& left, const std::string& right, const std::string& truth,
+                 int disparities) {
+  Scene scene{name, cv::imread(left, cv::IMREAD_GRAYSCALE), cv::imread(right, cv::IMREAD_GRAYSCALE), {}, disparities};
+  cv::imread(truth, cv::IMREAD_GRAYSCALE).convertTo(scene.truth_px, CV_32F);
+  return scene;
+}
+
+Scene halved(const Scene& scene) {
+  Scene half{scene.name + " halved", {}, {}, {}, scene.disparities / 2};
+  const cv::Size size(scene.left.cols / 2, scene.left.rows / 2);
+  cv::resize(scene.left, half.left, size, 0, 0, cv::INTER_AREA);
+  cv::resize(scene.right, half.right, size, 0, 0, cv::INTER_AREA);
+  cv::resize(scene.truth_px, half.truth_px, size, 0, 0, cv::INTER_NEAREST);
+  half.truth_px *= 0.5;
+  return half;
+}
+
+// The right camera has another gain and offset, and vignetting.
+Scene disturbed(Scene scene) {
+  scene.name += " disturbed";
+  scene.right = scene.right.clone();
+  const double half = 0.5 * scene.right.cols;
+  for (int v = 0; v < scene.right.rows; ++v) {
+    for (int u = 0; u < scene.right.cols; ++u) {
+      const double r2 = (std::pow(u - half, 2) + std::pow(v - 0.5 * scene.right.rows, 2)) / (half * half);
+      auto& pixel = scene.right.at<std::uint8_t>(v, u);
+      pixel = cv::saturate_cast<std::uint8_t>(pixel * 0.75 * (1 - 0.35 * r2) + 15);
+    }
+  }
+  return scene;
+}
+
+struct Score {
+  double density = 0.0, wrong = 0.0;  // shares
+};
+Score score_of(const Scene& scene, const cv::Mat& disparity_px) {
+  long known = 0, matched = 0, wrong = 0;
+  for (int v = 0; v < scene.truth_px.rows; ++v) {
+    for (int u = scene.disparities; u < scene.truth_px.cols; ++u) {
+      const float truth = scene.truth_px.at<float>(v, u);
+      if (!(truth > 0)) continue;
+      ++known;
+      const float found = disparity_px.at<float>(v, u);
+      if (!(found > 0)) continue;
+      ++matched;
+      wrong += std::abs(found - truth) > 1;
+    }
+  }
+  return {static_cast<double>(matched) / static_cast<double>(known),
+          static_cast<double>(wrong) / static_cast<double>(std::max(1L, matched))};
+}
+
+Score ours(const Scene& scene, double uniqueness) {
+  MatchOptions options;
+  options.disparities = scene.disparities;
+  options.uniqueness = uniqueness;
+  Matcher matcher({scene.left.cols, scene.left.rows}, options);
+  const DisparityView view = matcher.match(view_of(scene.left), view_of(scene.right));
+  return score_of(scene,
+                  cv::Mat(scene.left.rows, scene.left.cols, CV_32F, const_cast<float*>(view.disparity_px.pixels)));
+}
+
+// Our wrong matches when the uniqueness is such that as many pixels are matched, or as many as there can be.
+Score ours_at_density(const Scene& scene, double density) {
+  double low = 0.0, high = 1.0;
+  if (ours(scene, low).density <= density) return ours(scene, low);
+  for (int i = 0; i < 9; ++i) {
+    const double middle = 0.5 * (low + high);
+    (ours(scene, middle).density >= density ? low : high) = middle;
+  }
+  return ours(scene, low);
+}
+
+struct Peer {
+  std::string name;
+  cv::Ptr<cv::StereoMatcher> matcher;
+};
+std::vector<Peer> peers(int disparities) {
+  const int rounded = (disparities + 15) / 16 * 16;
+  constexpr int kSide = 3;  // block and penalties of OpenCV's own example program
+  return {{"StereoBM 11x11", cv::StereoBM::create(rounded, 11)},
+          {"StereoSGBM", cv::StereoSGBM::create(0, rounded, kSide, 8 * kSide * kSide, 32 * kSide * kSide, 1, 63, 10,
+                                                100, 32, cv::StereoSGBM::MODE_SGBM)}};
+}
+
+cv::Mat computed(cv::StereoMatcher& matcher, const Scene& scene) {
+  cv::Mat fixed, disparity_px;
+  matcher.compute(scene.left, scene.right, fixed);
+  fixed.convertTo(disparity_px, CV_32F, 1.0 / 16);
+  return disparity_px;
+}
+
+void print_quality(const std::string& data) {
+  const Scene cones =
+      scene_from("cones", data + "/cones_left.png", data + "/cones_right.png", data + "/cones_gt.png", 64);
+  const Scene aloe =
+      scene_from("aloe", data + "/aloe/aloeL.jpg", data + "/aloe/aloeR.jpg", data + "/aloe/aloeGT.png", 224);
+  fmt::print("{:<24} {:<16} {:>9} {:>8} {:>14} {:>12}\n", "wrong matches", "peer", "density", "wrong", "ours: density",
+             "ours: wrong");
+  for (const Scene& plain : {cones, halved(aloe), aloe}) {
+    for (const Scene& scene : {plain, disturbed(plain)}) {
+      for (const Peer& peer : peers(scene.disparities)) {
+        const Score other = score_of(scene, computed(*peer.matcher, scene));
+        const Score own = ours_at_density(scene, other.density);
+        const bool better = own.wrong < other.wrong && own.density >= other.density - 0.002;
+        fmt::print("{:<24} {:<16} {:>7.2f} % {:>6.2f} % {:>12.2f} % {:>10.2f} %  {}\n", scene.name, peer.name,
+                   100 * other.density, 100 * other.wrong, 100 * own.density, 100 * own.wrong,
+                   better ? "better" : "NOT better");
+      }
+    }
+  }
+}
+
+// A pair of fisheyes like those of a cabin, and one scene in both: the time does not depend on what is seen.
+Calibration fisheye_pair(ImageSize size) {
+  Calibration calibration;
+  const Camera camera = start_camera(*model_named("kannala_brandt"), size, 0.36 * size.width);
+  calibration.cameras = {{"left", camera, {}}, {"right", camera, {}}};
+  calibration.cameras[1].camera_from_rig.translation.x() = -0.12;
+  return calibration;
+}
+
+void print_times(const std::string& data) {
+  const cv::Mat left = cv::imread(data + "/aloe/aloeL.jpg", cv::IMREAD_GRAYSCALE);
+  const cv::Mat right = cv::imread(data + "/aloe/aloeR.jpg", cv::IMREAD_GRAYSCALE);
+  fmt::print("\n{:<16} {:<36} {:>9} {:>8}\n", "time, one thread", "", "median ms", "bar ms");
+  struct Case {
+    ImageSize size;
+    int disparities;
+    double bar_ms;
+  };
+  for (const Case& one : {Case{{128, 128}, 32, 1.0}, Case{{640, 480}, 64, 12.0}}) {
+    Scene scene{fmt::format("{}x{}/{}", one.size.width, one.size.height, one.disparities), {}, {}, {}, one.disparities};
+    cv::resize(left, scene.left, {one.size.width, one.size.height}, 0, 0, cv::INTER_AREA);
+    cv::resize(right, scene.right, {one.size.width, one.size.height}, 0, 0, cv::INTER_AREA);
+    StereoOptions options;
+    options.rectify.width_px = one.size.width;
+    options.rectify.height_px = one.size.height;
+    options.match.disparities = one.disparities;
+    StereoMatcher stereo(fisheye_pair(one.size), "left", "right", options);
+    Matcher matcher(one.size, options.match);
+    const auto row = [&](const std::string& what, const std::string& bar, const std::function<void()>& work) {
+      fmt::print("{:<16} {:<36} {:>9.2f} {:>8}\n", scene.name, what, median_ms(31, work), bar);
+    };
+    row("ours: rectify, match, filter, points", fmt::format("{:.0f}", one.bar_ms),
+        [&] { stereo.process(view_of(scene.left), view_of(scene.right)); });
+    row("ours: match and filter", "", [&] { matcher.match(view_of(scene.left), view_of(scene.right)); });
+    for (const Peer& peer : peers(one.disparities))
+      row(peer.name + ": match and filter", "", [&] { computed(*peer.matcher, scene); });
+  }
+}
+
+}  // namespace
+
+int main() {
+  cv::setNumThreads(1);
+  const char* set = std::getenv("RAYBUNDLE_DATA");
+  const std::string data =
+      (set ? std::string(set) : std::string(RAYBUNDLE_SOURCE_DIR "/../shared/data")) + "/stereo_gt";
+  if (cv::imread(data + "/cones_left.png").empty()) {
+    fmt::print(stderr, "there is no {}: set RAYBUNDLE_DATA to the folder of real data\n", data);
+    return 5;
+  }
+  print_quality(data);
+  print_times(data);
+}
