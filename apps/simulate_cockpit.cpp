@@ -1,0 +1,214 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+
+#include "output_folder.hpp"
+#include "raybundle/cockpit/cabin_renderer.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/io/calibration_file.hpp"
+#include "raybundle/scene/atomic_file.hpp"
+#include "terminal.hpp"
+#include "verbs.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+constexpr int kMostScenes = 100000, kMostFrames = 1000;
+constexpr double kFrame_s = 0.1;  // from a frame to the next
+
+struct SimulateCockpitFlags {
+  std::string output, generator = "training", sensor = "structured-light", wanted;
+  std::uint64_t seed = 1;
+  int scenes = 8, frames = 1, rows = 11, columns = 11, size = 128;
+  bool json = false;
+};
+
+// How the flags would be typed again.
+std::string command_of(const SimulateCockpitFlags& flags) {
+  std::string command =
+      fmt::format("raybundle simulate-cockpit --generator {} --sensor {} --scenes {} --frames {} --seed {}",
+                  flags.generator, flags.sensor, flags.scenes, flags.frames, flags.seed);
+  command += flags.sensor == "stereo" ? fmt::format(" --size {}", flags.size)
+                                      : fmt::format(" --rows {} --columns {}", flags.rows, flags.columns);
+  if (!flags.wanted.empty()) command += " --class " + flags.wanted;
+  return command + " -o " + flags.output;
+}
+
+CabinSensor sensor_of(const SimulateCockpitFlags& flags, CockpitGenerator generator) {
+  if (flags.sensor == "stereo") return stereo_sensor(generator, flags.seed, {flags.size, flags.size});
+  return structured_light_sensor(generator, flags.seed, {flags.rows, flags.columns});
+}
+
+std::optional<CabinClass> wanted_of(const SimulateCockpitFlags& flags, int scene) {
+  if (flags.wanted.empty()) return static_cast<CabinClass>(scene % kCabinClasses);
+  return static_cast<CabinClass>(std::ranges::find(kCabinClassNames, flags.wanted) - kCabinClassNames.begin());
+}
+
+void write_png(const fs::path& path, const GreyImage& image) {
+  cv::Mat pixels(image.size.height, image.size.width, CV_8U);
+  std::ranges::transform(image.values, pixels.begin<std::uint8_t>(),
+                         [](std::uint16_t grey) { return static_cast<std::uint8_t>(grey); });
+  std::vector<unsigned char> bytes;
+  cv::imencode(".png", pixels, bytes);
+  write_file_whole(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
+ordered_json numbers(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
+
+ordered_json json_of(const Rigid3& pose) {
+  const Eigen::Vector4d q = pose.rotation.coeffs();
+  return {{"rotation_xyzw", {q[0], q[1], q[2], q[3]}}, {"translation_m", numbers(pose.translation)}};
+}
+
+ordered_json json_of(const CabinLayout& layout) {
+  return {{"dashboard_x_m", layout.dashboard_x_m},
+          {"zone_floor_m", layout.zone_floor_m},
+          {"zone_half_width_m", layout.zone_half_width_m},
+          {"critical_m", layout.critical_m},
+          {"out_of_position_m", layout.out_of_position_m},
+          {"track_m", layout.track_m},
+          {"lift_m", layout.lift_m},
+          {"least_recline_rad", layout.least_recline_rad},
+          {"most_recline_rad", layout.most_recline_rad},
+          {"roof_m", layout.roof_m}};
+}
+
+ordered_json json_of(const CockpitTruth& truth) {
+  const auto named = [](const auto& names, auto value) { return std::string(names[static_cast<std::size_t>(value)]); };
+  ordered_json json{{"class", named(kCabinClassNames, truth.seat_class)},
+                    {"group", named(kCabinGroupNames, truth.group)},
+                    {"decision", named(kCabinDecisionNames, truth.decision)},
+                    {"seat",
+                     {{"h_point_m", numbers(truth.seat.h_point)},
+                      {"bight_m", numbers(truth.seat.bight)},
+                      {"recline_rad", truth.seat.recline_rad},
+                      {"cushion_pitch_rad", truth.seat.cushion_pitch_rad}}}};
+  if (truth.head)
+    json["head"] = {{"centre_m", numbers(truth.head->centre)}, {"semi_axes_m", numbers(truth.head->semi_axes)}};
+  if (std::isfinite(truth.dashboard_distance_m)) json["dashboard_distance_m"] = truth.dashboard_distance_m;
+  return json;
+}
+
+// Renders one frame; names of its images by camera, or off and on.
+ordered_json write_frame(const fs::path& folder, const CabinRenderer& renderer, const CabinScene& scene,
+                         const std::string& stem, const CabinImageOptions& options) {
+  ordered_json names;
+  const auto write = [&](const std::string& key, int camera, bool laser) {
+    const std::string name = fmt::format("{}_{}.png", stem, key);
+    CabinImageOptions these = options;
+    these.laser = laser;
+    write_png(folder / name, renderer.image(scene, camera, these));
+    names[key] = name;
+  };
+  if (renderer.sensor().rig.emitter) {
+    write("off", 0, false);
+    write("on", 0, true);
+  } else {
+    for (int camera = 0; camera < 2; ++camera) write(renderer.sensor().rig.cameras[camera].name, camera, false);
+  }
+  return names;
+}
+
+ordered_json write_scenes(const SimulateCockpitFlags& flags, const fs::path& folder, CockpitGenerator generator,
+                          const CabinRenderer& renderer) {
+  ordered_json scenes = ordered_json::array();
+  Progress progress("rendering", flags.scenes * flags.frames);
+  for (int s = 0; s < flags.scenes; ++s) {
+    ordered_json frames = ordered_json::array(), layout;
+    const std::uint64_t seed = flags.seed + static_cast<std::uint64_t>(s);
+    for (int f = 0; f < flags.frames; ++f) {
+      const double time_s = kFrame_s * f;
+      const CabinScene scene(make_cockpit({generator, seed, wanted_of(flags, s), time_s}));
+      const ordered_json images = write_frame(folder, renderer, scene, fmt::format("{:05d}_{:03d}", s, f),
+                                              {.seed = seed, .stream = static_cast<std::uint64_t>(f)});
+      layout = json_of(scene.cockpit().layout);
+      frames.push_back({{"time_s", time_s}, {"images", images}, {"truth", json_of(scene.cockpit().truth)}});
+      progress.advance();
+    }
+    scenes.push_back({{"seed", seed}, {"vehicle", layout}, {"frames", frames}});
+  }
+  return scenes;
+}
+
+void run(const SimulateCockpitFlags& flags) {
+  const fs::path folder(flags.output);
+  require_writable(folder);
+  const auto generator = flags.generator == "test" ? CockpitGenerator::kTest : CockpitGenerator::kTraining;
+  const CabinRenderer renderer(sensor_of(flags, generator));
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!error) fs::remove(folder / "scenes.json", error);  // it stands for a folder that is whole
+  if (error) {
+    throw Error(ErrorKind::kIo, fmt::format("the output folder {} cannot be prepared: {}; choose another with -o",
+                                            flags.output, error.message()));
+  }
+  const ordered_json scenes = write_scenes(flags, folder, generator, renderer);
+  CalibrationFile calibration;
+  calibration.calibration = calibration_of(renderer.sensor());
+  calibration.provenance.command = command_of(flags);
+  calibration.provenance.versions = {{"raybundle", RAYBUNDLE_VERSION}};
+  write_calibration(folder / "calibration.json", calibration);
+  const ordered_json index{{"format", "raybundle-cockpit-scenes"},
+                           {"version", 1},
+                           {"command", command_of(flags)},
+                           {"generator", flags.generator},
+                           {"sensor", flags.sensor},
+                           {"vehicle_from_rig", json_of(renderer.sensor().known_vehicle_from_rig)},
+                           {"true_vehicle_from_rig", json_of(renderer.sensor().vehicle_from_rig)},
+                           {"scenes", scenes}};
+  write_file_whole(folder / "scenes.json", index.dump(1) + "\n");
+  if (flags.json) {
+    const ordered_json result{{"folder", flags.output}, {"command", command_of(flags)}, {"scenes", flags.scenes}};
+    fmt::print("{}\n", result.dump(2));
+  } else {
+    fmt::print("{} scenes of {} frames, seen by {}\nwrote {}\n", flags.scenes, flags.frames, flags.sensor,
+               flags.output);
+  }
+}
+
+}  // namespace
+
+void add_simulate_cockpit_verb(CLI::App& app) {
+  auto flags = std::make_shared<SimulateCockpitFlags>();
+  CLI::App* verb =
+      app.add_subcommand("simulate-cockpit", "vehicle cabins -> images of a sensor in them, and the truth");
+  verb->add_option("-o,--output", flags->output, "folder to write")->type_name("DIR")->required();
+  verb->add_option("--generator", flags->generator, "whose cars, bodies and things: training or test")
+      ->check(CLI::IsMember({"training", "test"}))
+      ->capture_default_str();
+  verb->add_option("--sensor", flags->sensor, "structured-light or stereo")
+      ->check(CLI::IsMember({"structured-light", "stereo"}))
+      ->capture_default_str();
+  verb->add_option("--class", flags->wanted, "of all scenes; else the classes take turns")
+      ->check(CLI::IsMember(std::vector<std::string>(kCabinClassNames.begin(), kCabinClassNames.end())));
+  verb->add_option("--scenes", flags->scenes, "cabins")->check(CLI::Range(1, kMostScenes))->capture_default_str();
+  verb->add_option("--frames", flags->frames, "of each cabin, 0.1 s apart; passengers move")
+      ->check(CLI::Range(1, kMostFrames))
+      ->capture_default_str();
+  verb->add_option("--seed", flags->seed, "of the first scene and of the sensor; same seed, same bits")
+      ->capture_default_str();
+  verb->add_option("--rows", flags->rows, "of laser beams")->check(CLI::Range(2, 64))->capture_default_str();
+  verb->add_option("--columns", flags->columns, "of laser beams")->check(CLI::Range(2, 64))->capture_default_str();
+  verb->add_option("--size", flags->size, "of stereo images, each way [px]")
+      ->check(CLI::Range(32, 2048))
+      ->capture_default_str();
+  verb->add_flag("--json", flags->json, "print the result as JSON");
+  verb->footer(
+      "Example:\n"
+      "  raybundle simulate-cockpit --sensor stereo --scenes 16 --frames 5 --seed 7 -o cabins\n"
+      "The folder: docs/formats/cockpit.md");
+  verb->callback([flags] { run(*flags); });
+}
+
+}  // namespace raybundle::apps
