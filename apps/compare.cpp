@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/App.hpp>
-#include <cmath>
+#include <cstdlib>
 #include <map>
 #include <memory>
 
@@ -52,6 +52,14 @@ std::vector<std::string> missed_gates(const CompareFlags& flags, const Calibrati
   return missed;
 }
 
+// What is wrong with the text of a distance; empty: nothing. CLI11's own check refuses infinity.
+std::string positive_or_infinite(const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  const bool number = end != text.c_str() && *end == '\0';
+  return number && value > 0.0 ? "" : "'" + text + "' is no distance: write metres, as 0.5, or inf";
+}
+
 void run(const CompareFlags& flags) {
   const CalibrationFile a = read_calibration(flags.a), b = read_calibration(flags.b);
   ComparisonOptions options{.columns = flags.columns, .sigmas_from = flags.sigmas_from};
@@ -86,7 +94,7 @@ void add_compare_verb(CLI::App& app) {
   verb->add_option("b", flags->b, "another one of the same cameras")->required()->type_name("CALIBRATION");
   verb->add_option("--range", flags->ranges_m, "distance of the points that are projected [m], inf for infinity")
       ->type_name("M")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_or_infinite)
       ->allow_extra_args(false)
       ->default_str("inf");
   const std::map<std::string, SigmasFrom> kSources{{"corners", SigmasFrom::kCorners}, {"frames", SigmasFrom::kFrames}};
