@@ -72,7 +72,10 @@ CaseBase learn(const LabelledCases& cases, const LearnOptions& options) {
   const Eigen::VectorXd total =
       (cases.attributes.colwise() - centre).rowwise().squaredNorm() / static_cast<double>(cases.attributes.cols());
   scatter.diagonal() += options.metric_shrinkage * variance + kLeastWithin * total;
-  scatter.diagonal().array() += 1e-12;
+  // One that never varies at all tells nothing; any unit will do.
+  for (Eigen::Index i = 0; i < total.size(); ++i) {
+    if (total[i] < 1e-12) scatter(i, i) = 1.0;
+  }
 
   const Eigen::MatrixXd whitening =
       scatter.llt().matrixL().solve(Eigen::MatrixXd::Identity(scatter.rows(), scatter.cols()));

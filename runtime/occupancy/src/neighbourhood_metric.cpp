@@ -58,25 +58,26 @@ Eigen::MatrixXf gradient(const Eigen::MatrixXf& metric, const Sample& batch, con
 Eigen::MatrixXd neighbourhood_metric(Eigen::MatrixXd metric, const Eigen::MatrixXd& attributes,
                                      const std::vector<std::uint8_t>& classes, const MetricSearch& search) {
   constexpr float kFirst = 0.9F, kSecond = 0.99F, kLeast = 1e-8F;
-  const Eigen::MatrixXf all = attributes.cast<float>();
+  // Attributes in the units in which the start value weighs them alike, so that one length of step suits all.
+  const Eigen::VectorXd units =
+      metric.colwise().norm().transpose().cwiseMax(1e-12) / std::sqrt(static_cast<double>(metric.rows()));
+  const Eigen::MatrixXf all = (units.asDiagonal() * (attributes.colwise() - attributes.rowwise().mean())).cast<float>();
+  Eigen::MatrixXf turned = (metric * units.cwiseInverse().asDiagonal()).cast<float>();
   const auto cases = static_cast<int>(all.cols());
-  Eigen::MatrixXf turned = metric.cast<float>();
-  // The attributes are of different sizes: a step is relative to how large the start values of a column are.
-  const Eigen::RowVectorXf size = turned.colwise().norm() / std::sqrt(static_cast<float>(turned.rows()));
   Eigen::MatrixXf mean = Eigen::MatrixXf::Zero(turned.rows(), turned.cols()), square = mean;
   std::mt19937_64 random(1);
   for (int step = 1; step <= search.steps; ++step) {
     const Sample batch(all, std::min(kBatch, cases), random), others(all, std::min(kReferences, cases), random);
-    Eigen::MatrixXf up = gradient(turned, batch, others, classes) * size.asDiagonal();
-    up -= static_cast<float>(search.decay) * turned * size.cwiseInverse().asDiagonal();
+    Eigen::MatrixXf up = gradient(turned, batch, others, classes);
+    up -= static_cast<float>(search.decay) * turned;
     mean = kFirst * mean + (1 - kFirst) * up;
     square = kSecond * square + (1 - kSecond) * up.cwiseAbs2();
     const auto t = static_cast<float>(step);
     const float rate = 0.05F * (1.0F - 0.95F * t / static_cast<float>(search.steps)) *
                        std::sqrt(1 - std::pow(kSecond, t)) / (1 - std::pow(kFirst, t));
-    turned += rate * (mean.array() / (square.array().sqrt() + kLeast)).matrix() * size.asDiagonal();
+    turned += rate * (mean.array() / (square.array().sqrt() + kLeast)).matrix();
   }
-  return turned.cast<double>();
+  return turned.cast<double>() * units.asDiagonal();
 }
 
 }  // namespace raybundle

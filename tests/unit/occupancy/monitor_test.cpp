@@ -105,7 +105,9 @@ TEST(Monitor, NoFireIsNeverDelayedAndFireIs) {
 }
 
 TEST(Monitor, SomethingInTheOuterZoneIsFiredAtGently) {
-  OccupancyMonitor monitor({}, shared_base(), kRays);
+  CaseBase knows_all = shared_base();
+  knows_all.farthest = 1e9;
+  OccupancyMonitor monitor({}, knows_all, kRays);
   std::vector<ScenePoint> points = scene(true, 0.2, 0.0, 903);
   points[40].x_in_vehicle = {0.42, 0.0, 0.5};
   EXPECT_EQ(after(monitor, points, 3).action, AirbagAction::kDepowered);
