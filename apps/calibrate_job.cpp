@@ -169,8 +169,9 @@ void run_calibration(const CalibrateJob& job) {
   const CalibrateOptions options = merged_options(dataset.options, job);
   require_writable(job.output);
   const std::vector<Requirement> requirements = requirements_of(job.gates);
-  if (!dataset.cameras.empty())
+  if (!dataset.cameras.empty()) {
     check_requirements(requirements, camera_names(dataset.cameras), dataset.laser.has_value());
+  }
 
   DetectedImages images = observe(job.input, dataset);
   require_models(images);
@@ -194,15 +195,16 @@ void run_calibration(const CalibrateJob& job) {
   result.stages = stages_of(images.seconds, first, result, now() - refine_begin, refined);
   for (const std::string& warning : data_warnings(problem, result)) result.warnings.push_back(warning);
 
+  const double check_begin = now();
+  const CheckFindings checked = run_extra_checks(job.checks, problem, result, options);
+  std::ranges::copy(checked.warnings, std::back_inserter(result.warnings));
+  if (!checked.sections.empty()) result.stages.push_back({"check", now() - check_begin});
   const double judge_begin = now();
   const Judgements judgements = judge(problem, result, requirements);
   ReportExtra extra{images.unused, provenance_of(job, options, images), sections_of(judgements, result)};
   extra.sections.push_back(pictures_section(problem, result));
-  result.stages.push_back({"judge", now() - judge_begin});
-  const double check_begin = now();
-  const CheckFindings checked = run_extra_checks(job.checks, problem, result, options);
   std::ranges::copy(checked.sections, std::back_inserter(extra.sections));
-  if (!checked.sections.empty()) result.stages.push_back({"check", now() - check_begin});
+  result.stages.push_back({"judge", now() - judge_begin});
   const std::string report = write_all(job, problem, result, extra);
   const bool failed = judgements.verdict.grade == Grade::kFail;
   if (job.json) {

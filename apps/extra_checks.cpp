@@ -32,6 +32,7 @@ void add_cross_validation(const CalibrationProblem& problem, const CalibrationRe
   if (found.by_frames) json["by_frames"] = json_from_comparison(*found.by_frames);
   findings.sections.push_back({"cross_validation", json.dump()});
   findings.text += "cross-validation: " + found.words + "\n";
+  if (found.verdict == CrossValidation::Verdict::kModelError) findings.warnings.push_back(found.words);
 }
 
 void add_second_opinion(const CalibrationProblem& problem, const CalibrationResult& result, CheckFindings& findings) {

@@ -16,9 +16,10 @@ struct ExtraChecks {
   bool second_opinion = false;  ///< mrcal's solve of the same corners
 };
 
-/// What they found: sections of report.json, and lines for a person.
+/// What they found: sections of report.json, warnings, and lines for a person.
 struct CheckFindings {
   std::vector<ReportSection> sections;
+  std::vector<std::string> warnings;  ///< what speaks against the calibration
   std::string text;
 };
 
