@@ -18,6 +18,7 @@ function arrowsOf(map, camera) {
 }
 
 function differenceFigure(projection, camera, mostSigmas) {
+  if (projection.largest_px < 5e-4) return el("p", {}, `${camera.name}: nowhere more than ${px(projection.largest_px)} px apart.`);
   const arrows = arrowsOf(projection.map, camera);
   if (!arrows.length) return null;
   const { stretch, bar } = stretchFor(arrows.map((each) => each.length), camera);
