@@ -105,8 +105,10 @@ void add(const Trial& trial, Evaluation& sum) {
 
 MonitorOptions monitor_options_of(SensorKind kind) {
   MonitorOptions options;
+  options.sure_of_force = 0.95;
+  options.sure_of_group = 0.9;
   if (kind == SensorKind::kStructuredLight) {
-    options.zones.margin_m = 0.08;  // people reach on between the dots
+    options.zones.margin_m = 0.10;  // people reach on between the dots
   } else {
     options.zones.least_points = 6;
     options.zones.margin_m = 0.03;

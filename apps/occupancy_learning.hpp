@@ -20,7 +20,7 @@ struct SimulatedLearning {
   LaserGrid grid{11, 11};
   int scenes = 4000;
   std::uint64_t seed = 1;
-  int other_cars = 1;         ///< copies of each scene as if in another car, see as_in_another_car()
+  int other_cars = 2;         ///< copies of each scene as if in another car, see as_in_another_car()
   double car_change = 0.06;   ///< how much lengths and angles of those cars differ
   double car_shift_m = 0.02;  ///< how much their seats are elsewhere
   double margin_m = 0.05;     ///< actions are learnt as if everybody were nearer to the dashboard by this

@@ -5,45 +5,66 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
+#include <cstdint>
 
 namespace raybundle {
 namespace {
 
 constexpr int kMostLeastPoints = 64;
+constexpr double kCell_m = 0.06;
+constexpr int kAlong = 24, kAcross = 16, kUp = 16;  // cells; what is beyond shares the outermost ones
 
 struct Nearest {
   double distance_m = INFINITY;
   double sigma_m = 0.0;
 };
 
+// How a point lies to the zones.
+struct InZones {
+  bool counts = false;  // at their height, and clear of the dashboard
+  double distance_m = 0.0, sigma_m = 0.0;
+  int cell = 0;
+};
+
+InZones in_zones(const VehicleLayout& layout, const Scan& scan, const ScenePoint& point, const ZoneOptions& options) {
+  const Eigen::Vector3d& x = point.x_in_vehicle;
+  if (x.z() < layout.zone_floor_m || std::abs(x.y()) > layout.zone_half_width_m) return {};
+  const Eigen::Vector3d ray = (x - scan.viewpoint_in_vehicle).normalized();
+  const double to_plane = layout.dashboard_x_m - x.x(), sigma_x = point.sigma_m * std::abs(ray.x());
+  const double above = x.z() - layout.dashboard_top_m, sigma_z = point.sigma_m * std::abs(ray.z());
+  // Above the dashboard everything counts, even beyond its edge; at its height, what is clear of it.
+  const bool clear = to_plane > std::max(options.dashboard_m, 3.0 * sigma_x) ||
+                     (above > std::max(options.dashboard_m, 3.0 * sigma_z) && to_plane > -options.beyond_m);
+  const auto index = [](double length_m, int cells) {
+    return std::clamp(static_cast<int>(std::floor(length_m / kCell_m)), 0, cells - 1);
+  };
+  const int along = index(to_plane + options.beyond_m, kAlong),
+            across = index(x.y() + layout.zone_half_width_m, kAcross), up = index(x.z() - layout.zone_floor_m, kUp);
+  return {clear, std::max(0.0, to_plane), sigma_x, (along * kAcross + across) * kUp + up};
+}
+
 }  // namespace
 
 ZoneCount count_zones(const VehicleLayout& layout, const Scan& scan, const ZoneOptions& options) {
+  std::array<std::uint16_t, kAlong * kAcross * kUp> in_cell{};
+  for (const ScenePoint& point : scan.points) {
+    const InZones at = in_zones(layout, scan, point, options);
+    if (at.counts && in_cell[at.cell] < UINT16_MAX) ++in_cell[at.cell];
+  }
   const int kept = std::clamp(options.least_points, 1, kMostLeastPoints);
   std::array<Nearest, kMostLeastPoints> nearest{};  // sorted
   ZoneCount count;
   for (const ScenePoint& point : scan.points) {
-    const Eigen::Vector3d& x = point.x_in_vehicle;
-    const double to_plane = layout.dashboard_x_m - x.x(), distance = std::max(0.0, to_plane);
-    // Above the dashboard everything counts, even beyond its edge; at its height, what is clear of it.
-    const bool clear = x.z() > layout.dashboard_top_m + options.dashboard_m ? to_plane > -options.beyond_m
-                                                                            : to_plane > options.dashboard_m;
-    if (x.z() < layout.zone_floor_m || std::abs(x.y()) > layout.zone_half_width_m || !clear ||
-        point.sigma_m > options.most_sigma_m) {
-      continue;
-    }
-    count.critical += distance < layout.critical_m + options.margin_m;
-    count.out_of_position +=
-        distance >= layout.critical_m + options.margin_m && distance < layout.out_of_position_m + options.margin_m;
-    if (!(distance < nearest[kept - 1].distance_m)) continue;
-    int at = kept - 1;
-    for (; at > 0 && nearest[at - 1].distance_m > distance; --at) nearest[at] = nearest[at - 1];
-    const double along_x = std::abs((x - scan.viewpoint_in_vehicle).normalized().x());
-    nearest[at] = {distance, point.sigma_m * along_x};
+    const InZones at = in_zones(layout, scan, point, options);
+    if (!at.counts || in_cell[at.cell] < kept) continue;
+    const bool critical = at.distance_m < layout.critical_m + options.margin_m;
+    count.critical += critical;
+    count.out_of_position += !critical && at.distance_m < layout.out_of_position_m + options.margin_m;
+    if (!(at.distance_m < nearest[kept - 1].distance_m)) continue;
+    int place = kept - 1;
+    for (; place > 0 && nearest[place - 1].distance_m > at.distance_m; --place) nearest[place] = nearest[place - 1];
+    nearest[place] = {at.distance_m, at.sigma_m};
   }
-  if (count.critical < kept) count.out_of_position += std::exchange(count.critical, 0);
-  if (count.out_of_position < kept) count.out_of_position = 0;
   count.anything = std::isfinite(nearest[kept - 1].distance_m);
   if (count.anything) count.distance_m = nearest[kept - 1].distance_m, count.sigma_m = nearest[kept - 1].sigma_m;
   return count;

@@ -22,7 +22,7 @@ struct LabelledCases {
 };
 
 struct LearnOptions {
-  int neighbours = 7;
+  int neighbours = 15;
   double known_share = 0.999;      ///< of the learnt cases that are near enough to the others: sets `farthest`
   double metric_shrinkage = 0.05;  ///< of the scatter within classes towards its diagonal
   int metric_size = 20;            ///< dimensions of the metric's space, at most

@@ -8,20 +8,19 @@
 namespace raybundle {
 
 struct ZoneOptions {
-  double margin_m = 0.02;      ///< the zones count as deeper by this
-  double dashboard_m = 0.02;   ///< what is nearer to the dashboard than this may be the dashboard
-  double beyond_m = 0.15;      ///< above the dashboard the zones reach so far over it
-  int least_points = 1;        ///< points in a zone before something is there; of dense points single ones are wrong
-  double most_sigma_m = 0.05;  ///< less certain points are not counted
+  double margin_m = 0.02;     ///< the zones count as deeper by this
+  double dashboard_m = 0.01;  ///< what is nearer to the dashboard than this, or than three sigmas, may be it
+  double beyond_m = 0.15;     ///< above the dashboard the zones reach so far over it
+  int least_points = 1;       ///< in a cell of 6 cm before they are believed: of dense points single ones are wrong
 };
 
 /// What is in the airbag's way.
 struct ZoneCount {
   int critical = 0;         ///< points in the critical zone, COOP
   int out_of_position = 0;  ///< points in the outer zone, OOP
-  bool anything = false;    ///< whether enough points are at the zones' height at all
-  double distance_m = 0.0;  ///< from the dashboard's plane to the nearest of them, least_points - 1 left out
-  double sigma_m = 0.0;     ///< of the distance
+  bool anything = false;    ///< whether any believed point is at the zones' height
+  double distance_m = 0.0;  ///< from the dashboard's plane to the least_points-th nearest of them
+  double sigma_m = 0.0;     ///< of that point
 };
 
 ZoneCount count_zones(const VehicleLayout& layout, const Scan& scan, const ZoneOptions& options = {});
