@@ -15,6 +15,7 @@ constexpr int kSide = 2 * kHalf + 1;
 constexpr int kNearRim = 4;                // of small spots' surroundings
 constexpr double kLargestOfNear_px = 1.3;  // sigma of a spot that leaves the near rim dark
 constexpr int kIterations = 4;
+constexpr double kSettled_px = 0.003;     // what an iteration moves the centre by
 constexpr double kFarthest_px = 2.5;      // from the start
 constexpr double kLeastRadius_px = 2.5;   // of the weights
 constexpr double kRadiusBySigma = 3.0;    // of the weights over the spot
@@ -71,11 +72,14 @@ Surroundings surroundings_of(const Window& window, int rim) {
 
 // Weights along one axis: (1 - d²/r²)², and what the mean needs of them.
 struct AxisWeights {
-  std::array<float, kSide> weight, moment, steep;
+  std::array<float, kSide> weight, moment, steep;  // of the window's indices from first to last
+  int first, last;
 
-  AxisWeights(double centre, double radius) {
-    for (int i = 0; i < kSide; ++i) {
-      const double d = i - kHalf - centre, inside = std::max(0.0, 1.0 - d * d / (radius * radius));
+  AxisWeights(double centre, double radius)
+      : first(std::max(0, static_cast<int>(std::ceil(kHalf + centre - radius)))),
+        last(std::min(kSide - 1, static_cast<int>(std::floor(kHalf + centre + radius)))) {
+    for (int i = first; i <= last; ++i) {
+      const double d = i - kHalf - centre, inside = 1.0 - d * d / (radius * radius);
       weight[i] = static_cast<float>(inside * inside);
       moment[i] = static_cast<float>(inside * inside * d);
       steep[i] = static_cast<float>(inside * inside - 4.0 * d * d / (radius * radius) * inside);  // d moment / d d
@@ -91,10 +95,9 @@ struct Moments {
 Moments moments_of(const Window& window, const AxisWeights& along_u, const AxisWeights& along_v,
                    const Eigen::Vector2d& centre) {
   Moments sums;
-  for (int y = 0; y < kSide; ++y) {
-    if (along_v.weight[y] == 0.0F) continue;
+  for (int y = along_v.first; y <= along_v.last; ++y) {
     float light = 0, u = 0, uu = 0, steep = 0;
-    for (int x = 0; x < kSide; ++x) {
+    for (int x = along_u.first; x <= along_u.last; ++x) {
       const float value = window[y * kSide + x];
       light += value * along_u.weight[x];
       u += value * along_u.moment[x];
@@ -166,6 +169,8 @@ std::optional<Fit> fit_spot(const Window& window, const Eigen::Vector2d& begin, 
     if ((fit.centre - begin).cwiseAbs().maxCoeff() > kFarthest_px) return std::nullopt;
     fit.spread << sums.uu, sums.uv, sums.uv, sums.vv;
     fit.spread /= sums.light;
+    const double moved = std::max(std::abs(sums.u / sums.steep_u), std::abs(sums.v / sums.steep_v));
+    if (iteration >= 2 && moved < kSettled_px) break;
     const double size2 = fit.widened(std::max(0.0, 0.5 * fit.spread.trace()));
     if (iteration < 2) fit.radius = std::clamp(kRadiusBySigma * std::sqrt(size2), kLeastRadius_px, double(rim));
   }
@@ -178,10 +183,9 @@ Eigen::Matrix2d covariance_of(const Fit& fit, const GreyView& on, int u0, int v0
   const AxisWeights along_u(fit.centre.x(), fit.radius), along_v(fit.centre.y(), fit.radius);
   const double unrest = fit.plane.sigma * fit.plane.sigma;
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
-  for (int y = 0; y < kSide; ++y) {
-    if (along_v.weight[y] == 0.0F) continue;
+  for (int y = along_v.first; y <= along_v.last; ++y) {
     const std::uint8_t* row = on.row(v0 + y - kHalf) + u0 - kHalf;
-    for (int x = 0; x < kSide; ++x) {
+    for (int x = along_u.first; x <= along_u.last; ++x) {
       const double shot = images * (noise.read * noise.read + noise.grey_per_electron * row[x] + 1.0 / 12.0);
       const Eigen::Vector2d by(along_u.moment[x] * along_v.weight[y] / fit.sums.steep_u,
                                along_u.weight[x] * along_v.moment[y] / fit.sums.steep_v);
