@@ -19,11 +19,6 @@ CensusMask square_mask(int side_px, Keep&& keep) {
 
 }  // namespace
 
-std::string_view measure_name(Measure measure) {
-  constexpr std::string_view kNames[] = {"census", "zncc", "ssd"};
-  return kNames[static_cast<int>(measure)];
-}
-
 CensusMask dense_census(int side_px) {
   return square_mask(side_px, [](int, int) { return true; });
 }

@@ -3,21 +3,11 @@
 #pragma once
 
 #include <array>
-#include <string_view>
 #include <vector>
 
 #include "raybundle/stereo/simd.hpp"
 
 namespace raybundle {
-
-/// How two windows are compared.
-enum class Measure : unsigned char {
-  kCensus,  ///< which neighbours are brighter than the centre: any monotonous change of brightness leaves it alone
-  kZncc,    ///< zero-mean normalised cross-correlation: gain and offset leave it alone
-  kSsd,     ///< squared differences: for cameras with the same gain only
-};
-
-std::string_view measure_name(Measure measure);
 
 /// Which neighbours a census compares with the centre: offsets (x, y) [px].
 using CensusMask = std::vector<std::array<int, 2>>;
@@ -32,7 +22,6 @@ CensusMask sparse_census(int side_px);
 struct MatchOptions {
   int disparities = 64;     ///< searched, 1 to 256
   int least_disparity = 0;  ///< the first of them [px], >= 0: for scenes that are never far
-  Measure measure = Measure::kCensus;
   CensusMask mask = dense_census(5);
   int window_px = 3;        ///< side of the square over which costs are averaged: 1, or 3 with weights 1 2 1
   bool paths = true;        ///< semi-global: costs are gathered along five paths
