@@ -143,7 +143,7 @@ void add_depth(const World& world, const std::vector<RigCamera>& solved, const C
   if (!std::isfinite(place.range_m) || ray.z() < 0.2) return;
   const RigCamera first{solved[0].name, world.truth.cameras[0], {}};
   const RigCamera second{solved[1].name, world.truth.cameras[1], world.truth.camera_from_rig[1]};
-  const Eigen::Vector3d in_first = place.range_m / ray.z() * ray;
+  const Eigen::Vector3d in_first = place.range_m * ray;
   const double sigma = stereo_depth(first, second, known, place.pixel, in_first.z()).sigma_m;
   if (!std::isfinite(sigma)) return;
   place.depth_reported += sigma * sigma;

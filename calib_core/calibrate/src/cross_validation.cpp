@@ -95,27 +95,18 @@ std::vector<ModelId> richer_models(ModelId model) {
   return richer;
 }
 
-// Tries models for a camera until one makes its halves agree without fitting worse.
-void look_for_mending(const Halves& halves, int camera, const CalibrateOptions& options, CrossValidation& result) {
-  constexpr double kNoWorse = 1.02;  // of the residuals
-  const auto own = try_model(halves, camera, halves.odd.cameras[camera].model, options);
-  const std::string& name = halves.odd.cameras[camera].name;
-  const std::string model(model_name(halves.odd.cameras[camera].model));
-  for (const ModelId richer : richer_models(halves.odd.cameras[camera].model)) {
+// The simplest model that makes a camera's halves agree and leaves residuals of at most this share of its own.
+std::optional<ModelTrial> mending_model(const Halves& halves, int camera, double most_residuals,
+                                        const CalibrateOptions& options, CrossValidation& result) {
+  const ModelId model = halves.odd.cameras[camera].model;
+  const auto own = try_model(halves, camera, model, options);
+  for (const ModelId richer : richer_models(model)) {
     const auto trial = try_model(halves, camera, richer, options);
     if (!trial) continue;
     result.trials.push_back(*trial);
-    if (!trial->agrees || (own && trial->rms_px > kNoWorse * own->rms_px)) continue;
-    result.words +=
-        fmt::format("; {} mends camera {} (the halves then agree over {:.0f} % of the image, rms {:.3f} px)",
-                    trial->model, name, 100 * trial->share_within, trial->rms_px);
-    return;
+    if (trial->agrees && (!own || trial->rms_px <= most_residuals * own->rms_px)) return trial;
   }
-  result.words += fmt::format(
-      "; no other model of the list mends camera {}, so look at the board (flat, of the stated size?), at focus, and "
-      "at "
-      "a shutter that rolls",
-      name);
+  return std::nullopt;
 }
 
 // What the worst camera's halves do.
@@ -125,25 +116,42 @@ std::string share_text(const CalibrationComparison& comparison) {
                      worst.camera, kMostSummedSigmas, 100 * worst.share_within, worst.rms_px);
 }
 
+// A lens model that does not fit makes frames disagree, too: where only the sigmas by frames explain the halves, a
+// model that leaves much smaller residuals still tells that it is the model.
 void judge(const Halves& halves, const CalibrateOptions& options, CrossValidation& result) {
+  constexpr double kNoWorse = 1.02, kMuchBetter = 0.9;  // residuals over those of the model in question
   if (result.by_corners->agrees()) {
     result.words = "odd and even frames agree: " + share_text(*result.by_corners);
     return;
   }
-  if (result.by_frames && result.by_frames->agrees()) {
+  const bool by_frames = result.by_frames && result.by_frames->agrees();
+  std::string mended;
+  bool all_mended = true;
+  for (const ProjectionDifference& difference : result.by_corners->projections) {
+    if (difference.agrees()) continue;
+    const auto camera = std::ranges::find(halves.odd.cameras, difference.camera, &ProblemCamera::name);
+    const auto mending = mending_model(halves, static_cast<int>(camera - halves.odd.cameras.begin()),
+                                       by_frames ? kMuchBetter : kNoWorse, options, result);
+    all_mended = all_mended && mending;
+    if (!mending) continue;
+    mended += fmt::format("; {} mends camera {} (its halves then agree over {:.0f} % of the image, rms {:.3f} px)",
+                          mending->model, difference.camera, 100 * mending->share_within, mending->rms_px);
+  }
+  if (by_frames && mended.empty()) {
     result.verdict = Verdict::kAgreeByFrames;
     result.words = "odd and even frames differ by more than the sigmas of the corners explain (" +
                    share_text(*result.by_corners) +
-                   "), but by no more than those by frames do: corners of a frame err together";
+                   "), but by no more than those by frames do, and no other model fits much better: corners of a frame "
+                   "err together";
     return;
   }
   result.verdict = Verdict::kModelError;
-  const CalibrationComparison& judged = result.by_frames ? *result.by_frames : *result.by_corners;
-  result.words = "model error: odd and even frames differ by more than noise explains: " + share_text(judged);
-  for (const ProjectionDifference& difference : judged.projections) {
-    if (difference.agrees()) continue;
-    const auto camera = std::ranges::find(halves.odd.cameras, difference.camera, &ProblemCamera::name);
-    look_for_mending(halves, static_cast<int>(camera - halves.odd.cameras.begin()), options, result);
+  result.words =
+      "model error: odd and even frames differ by more than noise explains: " + share_text(*result.by_corners) + mended;
+  if (!all_mended) {
+    result.words +=
+        "; where no model of the list mends it, look at the board (flat, of the stated size?), at focus, and at a "
+        "shutter that rolls";
   }
 }
 

@@ -25,14 +25,14 @@ struct CrossValidation {
   enum class Verdict {
     kAgree,          ///< the halves differ by no more than the corners' noise explains
     kAgreeByFrames,  ///< by more, but by no more than the sigmas by frames explain: corners err together
-    kModelError,     ///< by more than either explains
+    kModelError,     ///< by more than either explains, or another model fits much better
     kTooFewFrames,   ///< a half could not be solved
   };
   Verdict verdict = Verdict::kAgree;
   std::optional<CalibrationComparison> by_corners;  ///< nothing when a half could not be solved
   std::optional<CalibrationComparison> by_frames;   ///< where both halves have enough frames
-  std::vector<ModelTrial> trials;                   ///< of the cameras that disagree, simplest model first
-  std::string words;                                ///< the verdict in a sentence: which camera, what mends it
+  std::vector<ModelTrial> trials;  ///< of cameras that the sigmas of corners do not explain, simplest first
+  std::string words;               ///< the verdict in a sentence: which camera, what mends it
 };
 
 /// Solves the odd and the even frames of a problem apart and compares their projections at infinity. Where they differ

@@ -22,8 +22,8 @@ struct ResidualGroup {
   double sigmas() const;
 };
 
-/// Views that a group needs before its mean says anything about bias.
-inline constexpr int kFewestViews = 4;
+/// Views that a group needs before its mean says anything about bias: of fewer, their scatter is not known well enough.
+inline constexpr int kFewestViews = 10;
 
 /// Residuals of one camera, with what they have in common told apart from what scatters: noise averages out from view
 /// to view, a wrong lens does not.
