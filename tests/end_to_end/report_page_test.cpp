@@ -79,7 +79,9 @@ class ReportPageInBrowser : public ::testing::Test {
     return browser->evaluate(fmt::format("document.querySelector({}).textContent", nlohmann::json(selector).dump()));
   }
 
-  const fs::path folder = RAYBUNDLE_BINARY_DIR "/report_page_test";
+  // One for each test, for they run side by side; the pictures stay there.
+  const fs::path folder = fs::path(RAYBUNDLE_BINARY_DIR) / "report_page_test" /
+                          ::testing::UnitTest::GetInstance()->current_test_info()->name();
   std::optional<Browser> browser;
 };
 
