@@ -15,7 +15,7 @@ namespace raybundle {
 struct ModelTrial {
   std::string camera;
   std::string model;
-  double share_within = 0.0;  ///< as ProjectionDifference::share_within, by the sigmas of Verdict that are larger
+  double share_within = 0.0;  ///< as ProjectionDifference::share_within, by the larger sigmas
   double rms_px = 0.0;        ///< of both halves
   bool agrees = false;
 };
