@@ -24,12 +24,12 @@ struct AttributeSet {
   Attributes (*attributes)(const VehicleLayout& layout, const SeatPose& seat, const Scan& scan);
 };
 
-/// For hundreds of points: horizontal stripes of the longitudinal plane, one around the cushion, two above it and one
-/// for heads, each cut along x; how full each part is of what the rays saw of it.
+/// For hundreds of points. Profile: horizontal stripes of the longitudinal plane, one around the cushion, two above it
+/// and one for heads, each cut along x into boxes; how full each is of what the rays saw of it. Relief: for places on
+/// the empty seat, how far before them the rays end.
 extern const AttributeSet kStripes;
 
-/// For thousands of points: two boxes of the seat, one above its cushion and two along its back whose heights follow
-/// the occupant, the stripes more finely, and how much of it is flat.
+/// For thousands of points: the same profile, and a relief of more places and less blur.
 extern const AttributeSet kBoxes;
 
 /// The set of that name; nullptr when there is none.
