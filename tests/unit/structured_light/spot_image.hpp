@@ -32,8 +32,11 @@ class SpotImage {
     std::vector<double> lit(grey_.size());
     for (int v = 0; v < size.height; ++v) {
       for (int u = 0; u < size.width; ++u) {
-        const bool sunny = u > 0.45 * size.width && u < 0.8 * size.width && v > 0.3 * u && v < 0.3 * u + 120;
-        lit[index(u, v)] = light.ambient * (1.0 + 0.3 * std::sin(0.004 * u)) + (sunny ? light.sun : 0.0) +
+        // The rim of the patch is as sharp as the lens makes it.
+        const auto beyond = [&](double px) { return 0.5 * (1.0 + std::erf(px / (light.blur_px * M_SQRT2))); };
+        const double sunny = beyond(u - 0.45 * size.width) * beyond(0.8 * size.width - u) *
+                             beyond((v - 0.3 * u) / 1.044) * beyond((0.3 * u + 120 - v) / 1.044);
+        lit[index(u, v)] = light.ambient * (1.0 + 0.3 * std::sin(0.004 * u)) + sunny * light.sun +
                            light.texture * (1.0 + std::sin(0.11 * u + 0.07 * v));
       }
     }
