@@ -12,8 +12,9 @@
 namespace raybundle {
 namespace {
 
-constexpr int kColumns = 8;                 // parts along the image's width
-constexpr double kBandRad = M_PI / 18.0;    // 10 degrees
+constexpr int kColumns = 8;               // parts along the image's width
+constexpr double kBandRad = M_PI / 18.0;  // 10 degrees
+constexpr int kFewestInSum = 4;  // views of a part: a sum over parts does not need each scatter to be well known
 constexpr double kBeyondDoubtSigmas = 5.0;  // some fifty parts of a few views each: chance rarely reaches 4
 
 // Sums of one view's residuals in a group.
@@ -71,7 +72,7 @@ void summarize(ResidualBias& bias) {
     const ResidualGroup& part = bias.parts[i];
     corners += part.corners;
     squares += part.corners * part.rms_px * part.rms_px;
-    if (part.views < kFewestViews) continue;
+    if (part.views < kFewestInSum) continue;
     // Chance gives the squared mean what the scatter of the views says, in each of two directions at most.
     systematic += part.corners * (part.mean_px.squaredNorm() - 2.0 * part.mean_sigma_px * part.mean_sigma_px);
     if (part.sigmas() > bias.strongest_sigmas) {
