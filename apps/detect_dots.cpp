@@ -50,6 +50,12 @@ void find_in(const cv::Mat& on, const std::string& on_path, CalibrationProblem& 
   view.dots = find_dots(on, partner ? &off : nullptr, options).dots;
 }
 
+// Image names pad the numbers of their frames: 003 is frame 3.
+std::string_view without_zeros(std::string_view frame) {
+  frame.remove_prefix(std::min(frame.find_first_not_of('0'), frame.size()));
+  return frame;
+}
+
 }  // namespace
 
 void add_dots(const Dataset& dataset, const DetectOptions& options, DetectedImages& images) {
@@ -92,17 +98,6 @@ void add_dots(const Dataset& dataset, const DetectOptions& options, DetectedImag
   if (dataset.laser->anchor) set_anchor(*dataset.laser->anchor, problem);
   images.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
-
-namespace {
-
-// Image names pad the numbers of their frames: 003 is frame 3.
-std::string_view without_zeros(std::string_view frame) {
-  const std::size_t first = frame.find_first_not_of('0');
-  return first == std::string_view::npos ? frame.substr(frame.size() - std::min<std::size_t>(1, frame.size()))
-                                         : frame.substr(first);
-}
-
-}  // namespace
 
 void set_anchor(const DatasetAnchor& anchor, CalibrationProblem& problem) {
   if (!problem.laser) throw Error(ErrorKind::kBadInput, "there is an anchor, but no laser that it could belong to");
@@ -118,94 +113,6 @@ void set_anchor(const DatasetAnchor& anchor, CalibrationProblem& problem) {
   if (std::ranges::find(cameras, anchor.camera) == cameras.end()) {
     throw Error(ErrorKind::kBadInput, fmt::format("the anchor names camera {}, which the data set does not have.{}",
                                                   anchor.camera, did_you_mean(anchor.camera, cameras)));
-  }
-  for (std::size_t v = 0; v < problem.views.size(); ++v) {
-    if (problem.views[v].camera == camera) views[problem.frames[problem.views[v].frame]].push_back(v);
-  }
-  return views;
-}
-
-// The image with the laser off is the partner of the one with it on, unless they are the same.
-void find_in(const cv::Mat& on, const std::string& on_path, CalibrationProblem& problem, std::size_t v) {
-  TargetView& view = problem.views[v];
-  std::string reason;
-  const bool same = view.image.empty() || view.image == on_path;
-  const cv::Mat off = same ? cv::Mat() : read_gray(view.image, reason);
-  DotOptions options;
-  options.region = outline_of(view);
-  const bool partner = !off.empty() && off.size() == on.size() && off.type() == on.type();
-  view.dots = find_dots(on, partner ? &off : nullptr, options).dots;
-}
-
-}  // namespace
-
-void add_dots(const Dataset& dataset, const DetectOptions& options, DetectedImages& images) {
-  const auto begin = std::chrono::steady_clock::now();
-  CalibrationProblem& problem = images.observations.problem;
-  std::vector<ImageFile> files;
-  std::vector<std::vector<std::size_t>> views_of_file;
-  int alone = 0;
-  for (int c = 0; c < static_cast<int>(dataset.cameras.size()); ++c) {
-    if (dataset.cameras[c].laser_on.empty()) continue;
-    const auto views = views_by_frame(problem, c);
-    for (const ImageFile& file : image_files(c, dataset.folder, dataset.cameras[c].laser_on)) {
-      const auto found = views.find(file.frame);
-      if (found == views.end()) {
-        ++alone;
-        continue;
-      }
-      files.push_back(file);
-      views_of_file.push_back(found->second);
-    }
-  }
-  if (files.empty()) {
-    throw Error(
-        ErrorKind::kNotEnoughData,
-        fmt::format("none of the {} images of laser_on belongs to an image in which the board was found; do their "
-                    "names differ from those of images in more than one part, as *_on.png and *_off.png?",
-                    alone));
-  }
-  const std::vector<std::string> reasons =
-      for_each_frame(files, options.threads, "finding dots", [&](std::size_t f, const cv::Mat& on, const std::string&) {
-        for (const std::size_t v : views_of_file[f]) find_in(on, files[f].path, problem, v);
-      });
-  for (std::size_t f = 0; f < files.size(); ++f) {
-    if (!reasons[f].empty()) {
-      images.unused.push_back({dataset.cameras[files[f].camera].name, files[f].frame, files[f].path, reasons[f]});
-    }
-  }
-  images.laser_files = files;
-  problem.laser = ProblemLaser{dataset.laser->grid, {}, dataset.laser->brightest, dataset.laser->missing};
-  if (dataset.laser->anchor) set_anchor(*dataset.laser->anchor, problem);
-  images.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
-
-namespace {
-
-// Image names pad the numbers of their frames: 003 is frame 3.
-std::string_view without_zeros(std::string_view frame) {
-  const std::size_t first = frame.find_first_not_of('0');
-  return first == std::string_view::npos ? frame.substr(frame.size() - std::min<std::size_t>(1, frame.size()))
-                                         : frame.substr(first);
-}
-
-}  // namespace
-
-void set_anchor(const DatasetAnchor& anchor, CalibrationProblem& problem) {
-  if (!problem.laser) throw Error(ErrorKind::kBadInput, "there is an anchor, but no laser that it could belong to");
-  const LaserGrid& grid = problem.laser->grid;
-  if (anchor.row < 0 || anchor.row >= grid.rows || anchor.column < 0 || anchor.column >= grid.columns) {
-    throw Error(
-        ErrorKind::kBadInput,
-        fmt::format("the anchor's beam, row {} and column {}, is not one of {} rows and {} columns, counted from 0",
-                    anchor.row, anchor.column, grid.rows, grid.columns));
-  }
-  std::vector<std::string> cameras;
-  for (const ProblemCamera& camera : problem.cameras) cameras.push_back(camera.name);
-  if (std::ranges::find(cameras, anchor.camera) == cameras.end()) {
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("the anchor names camera {}, and the cameras are {}.{}", anchor.camera,
-                            fmt::join(cameras, ", "), did_you_mean(anchor.camera, cameras)));
   }
   for (std::size_t v = 0; v < problem.views.size(); ++v) {
     const TargetView& view = problem.views[v];
