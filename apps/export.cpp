@@ -29,7 +29,9 @@ void add_export_verb(CLI::App& app) {
   verb->callback([request, exports] {
     bool any = false;
     for (const Export& does : *exports) any |= does(*request);
-    if (!any) throw Error(ErrorKind::kBadInput, "what is to be exported? Say --runtime structured-light -o FILE");
+    if (!any)
+      throw Error(ErrorKind::kBadInput,
+                  "what is to be exported? Say --runtime structured-light -o FILE, or --rectification DIR");
   });
 }
 
