@@ -24,7 +24,7 @@ struct DatasetCamera {
   std::string name;
   std::vector<std::string>
       images;         ///< paths or patterns with * and ?, relative to the folder; videos are lists of frames
-  std::string model;                  ///< may be empty when only detecting
+  std::string model;  ///< may be empty when only detecting
   std::vector<std::string> laser_on;  ///< as images, with the laser on; they belong to the images by their frame
 };
 

@@ -122,8 +122,8 @@ std::vector<double> sizes(const Pairs& pairs, const Rigid3& b_from_a) {
   return result;
 }
 
-/// Size that a quorum of the frames stays below. A frame always agrees with the pose that it proposes itself, so that at
-/// least one more must.
+/// Size that a quorum of the frames stays below. A frame always agrees with the pose that it proposes itself, so that
+/// at least one more must.
 double quorum_size(std::vector<double>& sizes) {
   const double one_more = 1.0 / std::max(1.0, static_cast<double>(sizes.size()) - 1.0);
   return quantile(sizes, std::max(kQuorum, one_more));

@@ -19,11 +19,12 @@ namespace raybundle {
 /// @return                those whose parameters are farther away than the projections tell; mostly none
 std::vector<Camera> twin_cameras(const Camera& camera, const std::vector<Eigen::Vector3d>& rays_in_camera);
 
-/// Cameras of the same model along the one direction of the parameters that the projections tell least of, as far as they
-/// put rays nearly where this one puts them. A valley may have several optima: common factors of a rational lens, the two
-/// sides of xi = 0 of a double sphere.
+/// Cameras of the same model along the one direction of the parameters that the projections tell least of, as far as
+/// they put rays nearly where this one puts them. A valley may have several optima: common factors of a rational lens,
+/// the two sides of xi = 0 of a double sphere.
 ///
-/// @param alike_px      root mean square distance of the projections, a common turn removed, up to which the way goes on
+/// @param alike_px      root mean square distance of the projections, a common turn removed, up to which the way goes
+/// on
 /// @param of_each_side  at most so many, spread over the way
 std::vector<Camera> cameras_along_valley(const Camera& camera, const std::vector<Eigen::Vector3d>& rays_in_camera,
                                          double alike_px, std::size_t of_each_side);

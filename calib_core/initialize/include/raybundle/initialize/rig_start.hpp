@@ -21,14 +21,13 @@ struct RigStart {
 
 /// Links the cameras through frames in which they see the same board: for each pair the relative pose on which most
 /// frames agree, then the spanning tree with the most frames. Symmetric boards are relabelled where that makes a frame
-/// agree, and boards that one camera can hold in two poses are held as the others see them. A frame that still disagrees
-/// does not tie its cameras, and is named in set_aside.
+/// agree, and boards that one camera can hold in two poses are held as the others see them. A frame that still
+/// disagrees does not tie its cameras, and is named in set_aside.
 ///
 /// @param camera_from_target  aligned with problem.views; empty where the view has no pose
 /// @param mirrored            other poses that explain the view nearly as well, where there are any; may be empty
 /// @throws Error(kNotEnoughData) naming the cameras that no chain of shared frames links to the first
-RigStart initialize_rig(const CalibrationProblem& problem,
-                        const std::vector<std::optional<Rigid3>>& camera_from_target,
+RigStart initialize_rig(const CalibrationProblem& problem, const std::vector<std::optional<Rigid3>>& camera_from_target,
                         const std::vector<std::optional<Rigid3>>& mirrored = {});
 
 }  // namespace raybundle
