@@ -1,0 +1,102 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "raybundle/camera/camera.hpp"
+#include "raybundle/device/image_view.hpp"
+#include "raybundle/stereo/matcher.hpp"
+
+namespace raybundle {
+
+/// A laser dot with a measured distance, where the left rectified image shows it.
+struct AnchorDot {
+  double u_px = 0.0;
+  double v_px = 0.0;
+  double disparity_px = 0.0;  ///< of its distance, disparity_from_distance()
+  double sigma_px = 0.0;      ///< of the disparity, > 0
+};
+
+struct DotFusionOptions {
+  double reach_px = 48.0;          ///< farthest dot that tells anything about a pixel
+  double like_grey = 20.0;         ///< most difference of grey values of a pixel and a dot's surroundings
+  double ring_px = 4.0;            ///< radius at which a dot's surroundings are, outside of its light
+  double most_slope = 0.3;         ///< of a surface's disparity [px/px]: what is steeper is a step in depth
+  double bend = 0.0005;            ///< standard deviation of a surface's second derivative [1/px]
+  double gate_sigmas = 3.0;        ///< dots that disagree more are not of one surface
+  double contradict_sigmas = 6.0;  ///< a match that disagrees more with the dot that lies on it is taken out
+  double match_sigma_px = 0.15;    ///< of a matched disparity
+  int most_dots = 1024;            ///< what there is memory for; dots beyond it are left out
+};
+
+/// Where a disparity comes from.
+enum class DisparitySource : std::uint8_t {
+  kNone = 0,      ///< there is none, for the reason that the matcher gave
+  kMatched,       ///< the matcher's
+  kDots,          ///< of the laser dots around the pixel
+  kContradicted,  ///< there is none: a dot contradicts the match
+};
+
+struct FusedView {
+  ImageView<const float> disparity_px;   ///< 0 where there is none
+  ImageView<const float> sigma_px;       ///< 0 where there is none
+  ImageView<const std::uint8_t> source;  ///< DisparitySource of each pixel
+  int filled = 0;                        ///< pixels that have their disparity of dots
+  int contradicted = 0;                  ///< matches that were taken out
+};
+
+/// Fills with laser dots what the matcher left empty.
+///
+/// Through each dot and its nearest neighbours of like surroundings goes the plane that most of them agree with, of
+/// those the least steep. A pixel without a match takes the planes of the nearest dots in each quadrant about it,
+/// weighted by their variances, if they are in three quadrants at least, so that nothing is extrapolated, if all are of
+/// the pixel's grey, and if the planes agree. Sigma grows with the distance from the dots, and is not made smaller by
+/// their number, because planes share dots. Without dots every disparity is the matcher's, bit for bit.
+///
+/// All memory is taken by the constructor; fuse() takes none and throws nothing.
+class DotFusion {
+ public:
+  /// @throws Error(kBadInput) for options or a size that cannot be
+  explicit DotFusion(ImageSize size, const DotFusionOptions& options = {});
+
+  /// @param left   rectified
+  /// @param dense  of the same size, Matcher's
+  /// @param dots   those outside of the image or without a positive sigma are left out
+  /// @return       valid until the next call
+  FusedView fuse(GreyView left, const DisparityView& dense, std::span<const AnchorDot> dots);
+
+ private:
+  struct Plane {  // about the dot: disparity = a + b du + c dv
+    AnchorDot dot;
+    int grey = 0;         // of the dot's surroundings
+    int next = -1;        // dot of the same cell
+    bool agreed = false;  // with other dots: only then it may be used
+    double a = 0.0, b = 0.0, c = 0.0;
+    double aa = 0.0, ab = 0.0, ac = 0.0, bb = 0.0, bc = 0.0, cc = 0.0;  // covariance
+
+    double at(double du, double dv) const { return a + b * du + c * dv; }
+    double variance(double du, double dv) const {
+      return aa + du * du * bb + dv * dv * cc + 2.0 * (du * ab + dv * ac + du * dv * bc);
+    }
+  };
+
+  void place(GreyView left, std::span<const AnchorDot> dots);
+  void fit(Plane& plane);
+  bool fill(int u, int v, int grey, float& disparity_px, float& sigma_px) const;
+  int contradict(const Plane& plane);
+  template <typename Visit>
+  void near(double u, double v, Visit visit) const;
+
+  ImageSize size_;
+  DotFusionOptions options_;
+  int columns_, rows_;       // of cells with a side of the reach
+  std::vector<int> cells_;   // the first dot of each
+  std::vector<Plane> dots_;  // of capacity most_dots
+  std::vector<float> disparity_px_, sigma_px_;
+  std::vector<std::uint8_t> source_;
+};
+
+}  // namespace raybundle

@@ -1,0 +1,260 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/stereo/dot_fusion.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "raybundle/geometry/error.hpp"
+
+namespace raybundle {
+namespace {
+
+constexpr int kNeighbours = 8;   // of a dot: those around it in a grid
+constexpr int kLeastAgreed = 4;  // one more than a plane needs
+constexpr double kSigmaFloorPx = 1e-3;
+
+void require(bool holds, const std::string& message) {
+  if (!holds) throw Error(ErrorKind::kBadInput, message);
+}
+
+const DotFusionOptions& checked(ImageSize size, const DotFusionOptions& options) {
+  require(size.width > 0 && size.height > 0, "an image that dots lie in has pixels");
+  require(options.reach_px >= 1 && options.ring_px >= 1, "the reach and the ring of dots are at least 1 px");
+  require(options.most_slope >= 0 && options.bend >= 0 && options.like_grey >= 0 && options.match_sigma_px > 0 &&
+              options.gate_sigmas > 0 && options.contradict_sigmas > 0,
+          "slope, bend, likeness and sigmas of dot fusion are not negative");
+  require(options.most_dots >= 0, "the number of dots is not negative");
+  return options;
+}
+
+// Median of eight pixels around a dot, or as many as the image has.
+int grey_around(GreyView image, const AnchorDot& dot, double ring_px) {
+  std::array<int, 8> greys{};
+  int count = 0;
+  for (int y = -1; y <= 1; ++y) {
+    for (int x = -1; x <= 1; ++x) {
+      const auto u = static_cast<int>(std::lround(dot.u_px + x * ring_px));
+      const auto v = static_cast<int>(std::lround(dot.v_px + y * ring_px));
+      if ((x == 0 && y == 0) || u < 0 || v < 0 || u >= image.width || v >= image.height) continue;
+      greys[static_cast<std::size_t>(count++)] = image.at(u, v);
+    }
+  }
+  std::sort(greys.begin(), greys.begin() + count);
+  return greys[static_cast<std::size_t>(count / 2)];
+}
+
+}  // namespace
+
+DotFusion::DotFusion(ImageSize size, const DotFusionOptions& options)
+    : size_(size),
+      options_(checked(size, options)),
+      columns_(static_cast<int>(size.width / options.reach_px) + 1),
+      rows_(static_cast<int>(size.height / options.reach_px) + 1),
+      cells_(static_cast<std::size_t>(columns_) * rows_) {
+  const std::size_t pixels = static_cast<std::size_t>(size.width) * size.height;
+  dots_.reserve(static_cast<std::size_t>(options.most_dots));
+  disparity_px_.resize(pixels);
+  sigma_px_.resize(pixels);
+  source_.resize(pixels);
+}
+
+// All dots of the cells around a place: those within reach are among them.
+template <typename Visit>
+void DotFusion::near(double u, double v, Visit visit) const {
+  const auto column = static_cast<int>(u / options_.reach_px);
+  const auto row = static_cast<int>(v / options_.reach_px);
+  for (int y = std::max(row - 1, 0); y <= std::min(row + 1, rows_ - 1); ++y) {
+    for (int x = std::max(column - 1, 0); x <= std::min(column + 1, columns_ - 1); ++x) {
+      for (int i = cells_[static_cast<std::size_t>(y) * columns_ + x]; i >= 0;) {
+        const Plane& plane = dots_[static_cast<std::size_t>(i)];
+        visit(plane);
+        i = plane.next;
+      }
+    }
+  }
+}
+
+void DotFusion::place(GreyView left, std::span<const AnchorDot> dots) {
+  std::fill(cells_.begin(), cells_.end(), -1);
+  dots_.clear();
+  for (const AnchorDot& dot : dots) {
+    const bool usable = dot.u_px >= 0 && dot.v_px >= 0 && dot.u_px <= size_.width - 1 && dot.v_px <= size_.height - 1 &&
+                        dot.sigma_px > 0 && dot.disparity_px > 0 && std::isfinite(dot.sigma_px) &&
+                        std::isfinite(dot.disparity_px);
+    if (!usable || dots_.size() == dots_.capacity()) continue;
+    int& cell = cells_[static_cast<std::size_t>(dot.v_px / options_.reach_px) * columns_ +
+                       static_cast<std::size_t>(dot.u_px / options_.reach_px)];
+    Plane plane;
+    plane.dot = dot;
+    plane.grey = grey_around(left, dot, options_.ring_px);
+    plane.next = cell;
+    cell = static_cast<int>(dots_.size());
+    dots_.push_back(plane);
+  }
+}
+
+void DotFusion::fit(Plane& plane) {
+  struct Neighbour {
+    double du, dv, r2, d, variance;
+  };
+  std::array<Neighbour, kNeighbours + 1> all{};
+  int count = 0;
+  near(plane.dot.u_px, plane.dot.v_px, [&](const Plane& other) {
+    if (std::abs(other.grey - plane.grey) > options_.like_grey) return;
+    const double du = other.dot.u_px - plane.dot.u_px;
+    const double dv = other.dot.v_px - plane.dot.v_px;
+    const double r2 = du * du + dv * dv;
+    if (r2 > options_.reach_px * options_.reach_px) return;
+    const double bent = 0.5 * options_.bend * r2;
+    const double sigma = std::max(other.dot.sigma_px, kSigmaFloorPx);
+    int at = std::min(count, kNeighbours);  // sorted by distance; the farthest falls out
+    if (count > kNeighbours && all[kNeighbours].r2 <= r2) return;
+    for (; at > 0 && all[static_cast<std::size_t>(at - 1)].r2 > r2; --at) {
+      all[static_cast<std::size_t>(at)] = all[static_cast<std::size_t>(at - 1)];
+    }
+    all[static_cast<std::size_t>(at)] = {du, dv, r2, other.dot.disparity_px, sigma * sigma + bent * bent};
+    count = std::min(count + 1, kNeighbours + 1);
+  });
+
+  // The plane through the dot and two neighbours with which most agree; of equal ones the least steep.
+  const double gate2 = options_.gate_sigmas * options_.gate_sigmas;
+  unsigned best = 0;
+  int best_agreed = kLeastAgreed - 1;
+  double best_slope = 0.0;
+  for (int i = 1; i < count; ++i) {
+    for (int j = i + 1; j < count; ++j) {
+      const Neighbour &o = all[0], &p = all[static_cast<std::size_t>(i)], &q = all[static_cast<std::size_t>(j)];
+      const double area = p.du * q.dv - q.du * p.dv;
+      if (std::abs(area) < 0.25 * std::sqrt(p.r2 * q.r2)) continue;  // nearly in a line
+      const double b = ((p.d - o.d) * q.dv - (q.d - o.d) * p.dv) / area;
+      const double c = ((q.d - o.d) * p.du - (p.d - o.d) * q.du) / area;
+      const double slope = std::hypot(b, c);
+      if (slope > options_.most_slope) continue;
+      unsigned agreed = 0;
+      int number = 0;
+      for (int k = 0; k < count; ++k) {
+        const Neighbour& n = all[static_cast<std::size_t>(k)];
+        const double wp = (n.du * q.dv - q.du * n.dv) / area, wq = (p.du * n.dv - n.du * p.dv) / area;
+        const double wo = 1.0 - wp - wq;
+        const double variance = n.variance + wo * wo * o.variance + wp * wp * p.variance + wq * wq * q.variance;
+        const double error = n.d - (o.d + b * n.du + c * n.dv);
+        if (error * error > gate2 * variance) continue;
+        agreed |= 1U << k;
+        ++number;
+      }
+      if (number < best_agreed || (number == best_agreed && (best == 0 || slope >= best_slope))) continue;
+      best = agreed;
+      best_agreed = number;
+      best_slope = slope;
+    }
+  }
+  if (best == 0 || best_agreed < kLeastAgreed) return;
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (int k = 0; k < count; ++k) {
+    if ((best >> k & 1U) == 0) continue;
+    const Neighbour& n = all[static_cast<std::size_t>(k)];
+    const Eigen::Vector3d row(1.0, n.du, n.dv);
+    information += row * row.transpose() / n.variance;
+    right += row * (n.d / n.variance);
+  }
+  const Eigen::Matrix3d covariance = information.inverse();
+  const Eigen::Vector3d solution = covariance * right;
+  plane.a = solution[0], plane.b = solution[1], plane.c = solution[2];
+  plane.aa = covariance(0, 0), plane.ab = covariance(0, 1), plane.ac = covariance(0, 2);
+  plane.bb = covariance(1, 1), plane.bc = covariance(1, 2), plane.cc = covariance(2, 2);
+  plane.agreed = true;
+}
+
+bool DotFusion::fill(int u, int v, int grey, float& disparity_px, float& sigma_px) const {
+  std::array<const Plane*, 4> nearest{};
+  std::array<double, 4> nearest_r2{};
+  near(u, v, [&](const Plane& plane) {
+    const double du = plane.dot.u_px - u, dv = plane.dot.v_px - v;
+    const double r2 = du * du + dv * dv;
+    const std::size_t quadrant = (du >= 0 ? 1U : 0U) + (dv >= 0 ? 2U : 0U);
+    if (r2 > options_.reach_px * options_.reach_px) return;
+    if (nearest[quadrant] != nullptr && nearest_r2[quadrant] <= r2) return;
+    nearest[quadrant] = &plane;
+    nearest_r2[quadrant] = r2;
+  });
+  std::array<double, 4> value{}, variance{};
+  int count = 0;
+  double weights = 0.0, mean = 0.0, sigma = 0.0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (nearest[k] == nullptr) continue;
+    const Plane& plane = *nearest[k];
+    if (!plane.agreed || std::abs(plane.grey - grey) > options_.like_grey) return false;
+    const auto at = static_cast<std::size_t>(count++);
+    const double du = u - plane.dot.u_px, dv = v - plane.dot.v_px, bent = 0.5 * options_.bend * nearest_r2[k];
+    value[at] = plane.at(du, dv);
+    variance[at] = plane.variance(du, dv) + bent * bent;
+    for (std::size_t j = 0; j < at; ++j) {
+      const double error = value[at] - value[j];
+      const double gate = options_.gate_sigmas;
+      if (error * error > gate * gate * (variance[at] + variance[j])) return false;
+    }
+    weights += 1.0 / variance[at];
+    mean += value[at] / variance[at];
+    sigma += 1.0 / std::sqrt(variance[at]);
+  }
+  if (count < 3 || mean <= 0) return false;
+  disparity_px = static_cast<float>(mean / weights);
+  sigma_px = static_cast<float>(sigma / weights);
+  return true;
+}
+
+// Takes out the match that the dot lies on.
+int DotFusion::contradict(const Plane& plane) {
+  int taken_out = 0;
+  const auto u0 = static_cast<int>(plane.dot.u_px), v0 = static_cast<int>(plane.dot.v_px);
+  for (int v = v0; v <= std::min(v0 + 1, size_.height - 1); ++v) {
+    for (int u = u0; u <= std::min(u0 + 1, size_.width - 1); ++u) {
+      const std::size_t i = static_cast<std::size_t>(v) * size_.width + u;
+      if (source_[i] != static_cast<std::uint8_t>(DisparitySource::kMatched)) continue;
+      const double du = u - plane.dot.u_px, dv = v - plane.dot.v_px;
+      const double error = disparity_px_[i] - plane.at(du, dv);
+      const double variance = options_.match_sigma_px * options_.match_sigma_px + plane.variance(du, dv);
+      if (error * error <= options_.contradict_sigmas * options_.contradict_sigmas * variance) continue;
+      source_[i] = static_cast<std::uint8_t>(DisparitySource::kContradicted);
+      disparity_px_[i] = sigma_px_[i] = 0.0F;
+      ++taken_out;
+    }
+  }
+  return taken_out;
+}
+
+FusedView DotFusion::fuse(GreyView left, const DisparityView& dense, std::span<const AnchorDot> dots) {
+  FusedView out;
+  place(left, dots);
+  for (Plane& plane : dots_) fit(plane);
+  const auto [width, height] = size_;
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      const std::size_t i = static_cast<std::size_t>(v) * width + u;
+      const auto match = static_cast<Match>(dense.match.at(u, v));
+      disparity_px_[i] = dense.disparity_px.at(u, v);
+      sigma_px_[i] = match == Match::kMatched ? static_cast<float>(options_.match_sigma_px) : 0.0F;
+      DisparitySource source = match == Match::kMatched ? DisparitySource::kMatched : DisparitySource::kNone;
+      if (match != Match::kMatched && match != Match::kUncovered && !dots_.empty() &&
+          fill(u, v, left.at(u, v), disparity_px_[i], sigma_px_[i])) {
+        source = DisparitySource::kDots;
+        ++out.filled;
+      }
+      source_[i] = static_cast<std::uint8_t>(source);
+    }
+  }
+  for (const Plane& plane : dots_) {
+    if (plane.agreed) out.contradicted += contradict(plane);
+  }
+  out.disparity_px = {disparity_px_.data(), width, height, width};
+  out.sigma_px = {sigma_px_.data(), width, height, width};
+  out.source = {source_.data(), width, height, width};
+  return out;
+}
+
+}  // namespace raybundle

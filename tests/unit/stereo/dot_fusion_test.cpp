@@ -1,0 +1,202 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+// Laser dots on surfaces without texture: what is filled is right within its sigma, and nothing else is touched.
+#include "raybundle/stereo/dot_fusion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "raybundle/geometry/error.hpp"
+
+namespace raybundle {
+namespace {
+
+constexpr ImageSize kSize{160, 120};
+constexpr int kPixels = kSize.width * kSize.height;
+constexpr int kSpacing = 12;
+constexpr double kDotSigma = 0.1;
+
+// A scene of one grey value, in which the matcher found nothing unless the test says so, and a grid of dots.
+struct Scene {
+  std::vector<std::uint8_t> grey = std::vector<std::uint8_t>(kPixels, 100);
+  std::vector<float> disparity = std::vector<float>(kPixels, 0.0F);
+  std::vector<std::uint8_t> match = std::vector<std::uint8_t>(kPixels, static_cast<std::uint8_t>(Match::kFlat));
+  std::vector<AnchorDot> dots;
+
+  void add_grid(const std::function<double(double, double)>& disparity_at, unsigned seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    for (int v = 6; v < kSize.height; v += kSpacing) {
+      for (int u = 6; u < kSize.width; u += kSpacing) {
+        const double at_u = u + 0.5 * normal(random), at_v = v + 0.5 * normal(random);
+        dots.push_back({at_u, at_v, disparity_at(at_u, at_v) + kDotSigma * normal(random), kDotSigma});
+      }
+    }
+  }
+  FusedView fused_by(DotFusion& fusion) const {
+    const auto [width, height] = kSize;
+    return fusion.fuse({grey.data(), width, height, width},
+                       {{disparity.data(), width, height, width}, {match.data(), width, height, width}, 0}, dots);
+  }
+};
+
+bool is_from(const FusedView& view, int i, DisparitySource source) {
+  return view.source.pixels[i] == static_cast<std::uint8_t>(source);
+}
+
+double slanted(double u, double v) { return 20.0 + 0.05 * u - 0.03 * v; }
+
+TEST(DotFusion, FillsASlantedPlaneWithinItsSigma) {
+  DotFusion fusion(kSize);
+  double sum2 = 0.0, error2 = 0.0;
+  int filled = 0, beyond = 0, inside = 0, inside_filled = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Scene scene;
+    scene.add_grid(slanted, seed);
+    const FusedView view = scene.fused_by(fusion);
+    for (int i = 0; i < kPixels; ++i) {
+      const int u = i % kSize.width, v = i / kSize.width;
+      const bool within = u > 8 && v > 8 && u < 147 && v < 111;
+      inside += within;
+      if (!is_from(view, i, DisparitySource::kDots)) continue;
+      inside_filled += within;
+      const double error = view.disparity_px.pixels[i] - slanted(u, v);
+      const double in_sigmas = error / view.sigma_px.pixels[i];
+      sum2 += in_sigmas * in_sigmas;
+      error2 += error * error;
+      beyond += std::abs(in_sigmas) > 3.0;
+      ++filled;
+    }
+  }
+  EXPECT_GT(inside_filled, 0.9 * inside);
+  EXPECT_LT(std::sqrt(error2 / filled), kDotSigma);
+  // sigma is on the safe side: planes share dots, and real surfaces bend
+  EXPECT_LT(std::sqrt(sum2 / filled), 1.1);
+  EXPECT_GT(std::sqrt(sum2 / filled), 0.3);
+  EXPECT_LT(beyond, 0.005 * filled);
+}
+
+TEST(DotFusion, SigmaGrowsWithTheDistanceFromTheDots) {
+  Scene scene;
+  for (int v = 20; v <= 100; v += 40) {
+    for (int u = 20; u <= 140; u += 40) {
+      scene.dots.push_back({1.0 * u, 1.0 * v, 20.0, kDotSigma});
+    }
+  }
+  DotFusion fusion(kSize);
+  const FusedView view = scene.fused_by(fusion);
+  ASSERT_GT(view.filled, 0);
+  EXPECT_GT(view.sigma_px.at(80, 80), view.sigma_px.at(61, 61) * 1.2F);
+}
+
+struct EachStep : ::testing::TestWithParam<double> {};
+
+TEST_P(EachStep, AStepInDepthIsNotBridged) {
+  const auto step = [](double u, double) { return u < 67.0 ? 10.0 : 10.0 + GetParam(); };
+  Scene scene;
+  scene.add_grid(step, 3);
+  DotFusion fusion(kSize);
+  const FusedView view = scene.fused_by(fusion);
+  int filled = 0;
+  for (int i = 0; i < kPixels; ++i) {
+    if (!is_from(view, i, DisparitySource::kDots)) continue;
+    ++filled;
+    // on either side, never between: within a third of the step
+    const double value = view.disparity_px.pixels[i];
+    EXPECT_LT(std::min(std::abs(value - 10.0), std::abs(value - 10.0 - GetParam())), GetParam() / 3.0)
+        << i % kSize.width << ' ' << i / kSize.width;
+  }
+  EXPECT_GT(filled, kPixels / 2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, EachStep, ::testing::Values(2.0, 6.0, 20.0));
+
+TEST(DotFusion, WithoutDotsNothingChanges) {
+  Scene scene;
+  std::mt19937 random(5);
+  for (int i = 0; i < kPixels; ++i) {
+    scene.match[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(random() % kMatchKinds);
+    const bool matched = scene.match[static_cast<std::size_t>(i)] == static_cast<std::uint8_t>(Match::kMatched);
+    scene.disparity[static_cast<std::size_t>(i)] = matched ? static_cast<float>(random() % 10000) / 177.0F : 0.0F;
+  }
+  DotFusion fusion(kSize);
+  Scene before;
+  before.add_grid(slanted, 1);
+  before.fused_by(fusion);  // nothing of an earlier frame stays
+  const FusedView view = scene.fused_by(fusion);
+  EXPECT_EQ(view.filled + view.contradicted, 0);
+  for (int i = 0; i < kPixels; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    ASSERT_EQ(view.disparity_px.pixels[i], scene.disparity[at]);
+    const bool matched = scene.match[at] == static_cast<std::uint8_t>(Match::kMatched);
+    ASSERT_EQ(is_from(view, i, DisparitySource::kMatched), matched);
+  }
+}
+
+TEST(DotFusion, MatchesStayUnlessADotOnThemContradicts) {
+  Scene scene;
+  scene.add_grid(slanted, 2);
+  int wrong = 0;
+  for (int i = 0; i < kPixels; ++i) {
+    const int u = i % kSize.width, v = i / kSize.width;
+    const bool is_wrong = u >= 50 && u < 80 && v >= 50 && v < 80;  // as a repeated pattern would
+    wrong += is_wrong;
+    scene.match[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(Match::kMatched);
+    scene.disparity[static_cast<std::size_t>(i)] = static_cast<float>(slanted(u, v) + (is_wrong ? 8.0 : 0.0));
+  }
+  DotFusion fusion(kSize);
+  const FusedView view = scene.fused_by(fusion);
+  EXPECT_EQ(view.filled, 0);
+  EXPECT_GT(view.contradicted, 0);
+  for (int i = 0; i < kPixels; ++i) {
+    const int u = i % kSize.width, v = i / kSize.width;
+    if (is_from(view, i, DisparitySource::kContradicted)) {
+      EXPECT_TRUE(u >= 50 && u < 80 && v >= 50 && v < 80);
+      EXPECT_EQ(view.disparity_px.pixels[i], 0.0F);
+    } else {
+      EXPECT_EQ(view.disparity_px.pixels[i], scene.disparity[static_cast<std::size_t>(i)]);
+    }
+  }
+}
+
+TEST(DotFusion, AWronglyLabelledDotLeavesAHoleAndNoWrongDepth) {
+  Scene scene;
+  scene.add_grid(slanted, 4);
+  scene.dots[scene.dots.size() / 2 + 5].disparity_px += 9.0;
+  DotFusion fusion(kSize);
+  const FusedView view = scene.fused_by(fusion);
+  EXPECT_GT(view.filled, kPixels / 2);
+  for (int i = 0; i < kPixels; ++i) {
+    if (!is_from(view, i, DisparitySource::kDots)) continue;
+    EXPECT_LT(std::abs(view.disparity_px.pixels[i] - slanted(i % kSize.width, i / kSize.width)), 1.0);
+  }
+}
+
+TEST(DotFusion, AnObjectOfAnotherGreyIsNotFilled) {
+  Scene scene;
+  scene.add_grid(slanted, 6);
+  const std::size_t at = 60 * kSize.width + 70;
+  scene.grey[at] = 200;
+  DotFusion fusion(kSize);
+  const FusedView view = scene.fused_by(fusion);
+  EXPECT_TRUE(is_from(view, static_cast<int>(at), DisparitySource::kNone));
+  EXPECT_TRUE(is_from(view, static_cast<int>(at) + 1, DisparitySource::kDots));
+}
+
+TEST(DotFusion, LeavesOutDotsThatCannotBe) {
+  Scene scene;
+  scene.dots = {{-5.0, 3.0, 10.0, 0.1},
+                {1e9, 3.0, 10.0, 0.1},
+                {5.0, NAN, 10.0, 0.1},
+                {5.0, 5.0, NAN, 0.1},
+                {5.0, 5.0, 10.0, 0.0}};
+  DotFusion fusion(kSize);
+  EXPECT_EQ(scene.fused_by(fusion).filled, 0);
+  EXPECT_THROW(DotFusion({0, 0}), Error);
+}
+
+}  // namespace
+}  // namespace raybundle
