@@ -5,13 +5,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
-#include <exception>
 #include <mutex>
 #include <opencv2/imgcodecs.hpp>
-#include <thread>
 #include <vector>
 
+#include "each_index.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/scene/atomic_file.hpp"
 #include "raybundle/synthetic/render.hpp"
@@ -78,30 +76,6 @@ void check(const BoardedRig& boarded) {
   }
 }
 
-// Calls work(0), ..., work(count - 1), each once, on so many threads; passes the first exception on.
-template <typename Work>
-void for_each_index(std::size_t count, int threads, Work&& work) {
-  std::atomic<std::size_t> next{0};
-  std::mutex guard;
-  std::exception_ptr failure;
-  const auto loop = [&] {
-    for (std::size_t i = next++; i < count; i = next++) {
-      try {
-        work(i, guard);
-      } catch (...) {
-        const std::scoped_lock lock(guard);
-        if (!failure) failure = std::current_exception();
-        next = count;
-      }
-    }
-  };
-  std::vector<std::jthread> workers;
-  for (int t = 1; t < threads; ++t) workers.emplace_back(loop);
-  loop();
-  workers.clear();
-  if (failure) std::rethrow_exception(failure);
-}
-
 }  // namespace
 
 std::string simulated_image(const std::string& camera, const std::string& frame, bool laser) {
@@ -122,7 +96,8 @@ void write_images(const fs::path& folder, const BoardedRig& boarded, const Simul
   const ViewRenderer renderer(boarded.rig, options.warmer_K);
   const std::size_t count = simulation.poses.size() * cameras.size();
   Progress progress("rendering", static_cast<int>(count));
-  for_each_index(count, threads, [&](std::size_t i, std::mutex& guard) {
+  std::mutex guard;  // of the progress
+  for_each_index(count, threads, [&](std::size_t i) {
     const BoardPose& pose = simulation.poses[i / cameras.size()];
     const std::size_t c = i % cameras.size();
     const RenderedView view =

@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <random>
 #include <vector>
 
 #include "laser_world.hpp"
@@ -65,21 +64,6 @@ World make_world(int frames, int cameras, LaserGrid grid) {
   return world;
 }
 
-CalibrationProblem observed(const World& world, int seed) {
-  std::mt19937 random(static_cast<unsigned>(seed));
-  std::normal_distribution<double> noise(0.0, kSigmaPx);
-  CalibrationProblem problem = world.exact.problem;
-  const auto disturb = [&](Eigen::Vector2d& pixel) {
-    pixel.x() += noise(random);
-    pixel.y() += noise(random);
-  };
-  for (TargetView& view : problem.views) {
-    for (Observation& observation : view.observations) disturb(observation.pixel);
-    for (Dot& dot : view.dots) disturb(dot.pixel);
-  }
-  return problem;
-}
-
 // Sums over the seeds, for one beam.
 struct Scatter {
   Eigen::Array4d squared = Eigen::Array4d::Zero();   // of the errors
@@ -96,7 +80,7 @@ Proof prove(const World& world, int seeds) {
   Proof proof;
   proof.beams.resize(world.truth.beams.size());
   for (int seed = 1; seed <= seeds; ++seed) {
-    const CalibrationProblem problem = observed(world, seed);
+    const CalibrationProblem problem = with_noise(world.exact.problem, kSigmaPx, static_cast<unsigned>(seed));
     BundleState state = world.truth;
     if (solve_bundle(problem, state).termination != Termination::kConverged) ++proof.failed;
     const auto covariances = beam_covariances(problem, state);

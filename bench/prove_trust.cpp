@@ -13,7 +13,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <numeric>
-#include <random>
 #include <vector>
 
 #include "aligned_projection.hpp"
@@ -63,21 +62,6 @@ World make_world(testing::SyntheticOptions options, bool with_laser) {
   }
   mark_dots(world.exact.problem, world.truth);
   return world;
-}
-
-CalibrationProblem observed(const World& world, int seed) {
-  std::mt19937 random(static_cast<unsigned>(seed));
-  std::normal_distribution<double> noise(0.0, kSigmaPx);
-  CalibrationProblem problem = world.exact.problem;
-  const auto disturb = [&](Eigen::Vector2d& pixel) {
-    pixel.x() += noise(random);
-    pixel.y() += noise(random);
-  };
-  for (TargetView& view : problem.views) {
-    for (Observation& observation : view.observations) disturb(observation.pixel);
-    for (Dot& dot : view.dots) disturb(dot.pixel);
-  }
-  return problem;
 }
 
 // A pixel of a camera at a range, or a depth there, and its sums over the seeds.
@@ -152,7 +136,7 @@ void add_depth(const World& world, const std::vector<RigCamera>& solved, const C
 
 // Solves one sample of the noise and adds what it says and what it is off by; false when the solve fails.
 bool add_sample(const World& world, int seed, std::vector<Place>& places) {
-  const CalibrationProblem problem = observed(world, seed);
+  const CalibrationProblem problem = with_noise(world.exact.problem, kSigmaPx, static_cast<unsigned>(seed));
   BundleState state = world.truth;
   if (solve_bundle(problem, state).termination != Termination::kConverged) return false;
   const Covariance known = covariance(reduced_information(problem, state)).covariance;

@@ -93,6 +93,20 @@ LaserTruth add_laser(SyntheticWorld& world, const LaserOptions& options) {
   return truth;
 }
 
+CalibrationProblem with_noise(CalibrationProblem problem, double sigma_px, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0.0, sigma_px);
+  const auto disturb = [&](Eigen::Vector2d& pixel) {
+    pixel.x() += noise(random);
+    pixel.y() += noise(random);
+  };
+  for (TargetView& view : problem.views) {
+    for (Observation& observation : view.observations) disturb(observation.pixel);
+    for (Dot& dot : view.dots) disturb(dot.pixel);
+  }
+  return problem;
+}
+
 SyntheticOptions laser_rig_options(int frames, unsigned seed) {
   SyntheticOptions options;
   options.cameras[0].size = {640, 480};

@@ -32,6 +32,9 @@ struct LaserTruth {
 /// Adds dots to all views of a world, and the laser to its problem.
 LaserTruth add_laser(SyntheticWorld& world, const LaserOptions& options);
 
+/// The problem with noise on every corner and dot, of that standard deviation in u and in v.
+CalibrationProblem with_noise(CalibrationProblem exact, double sigma_px, unsigned seed);
+
 /// A camera of 130° × 100° and boards from 25 cm to 1.2 m: enough range for the beams.
 SyntheticOptions laser_rig_options(int frames, unsigned seed);
 

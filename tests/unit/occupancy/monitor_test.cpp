@@ -4,25 +4,12 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <new>
 #include <vector>
 
+#include "heap_calls.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/occupancy/learn.hpp"
 #include "raybundle/synthetic/random.hpp"
-
-namespace {
-int heap_calls = 0;
-}  // namespace
-
-void* operator new(std::size_t size) {
-  ++heap_calls;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace raybundle {
 namespace {
@@ -151,10 +138,10 @@ TEST(Monitor, MotionSpeaksAgainstWhatIsInert) {
 TEST(Monitor, TakesNoHeapAfterStartAndGivesTheSameBits) {
   OccupancyMonitor monitor({}, shared_base(), kRays), other({}, shared_base(), kRays);
   const std::vector<ScenePoint> points = scene(true, 0.2, 0.003, 907);
-  const int before = heap_calls;
+  const long before = testing::heap_calls;
   Occupancy answer;
   for (int i = 0; i < 20; ++i) answer = monitor.process(scan_of(points));
-  EXPECT_EQ(heap_calls, before);
+  EXPECT_EQ(testing::heap_calls, before);
   const Occupancy same = after(other, points, 20);
   EXPECT_EQ(answer.verdict.distance, same.verdict.distance);
   EXPECT_EQ(answer.verdict.votes, same.verdict.votes);

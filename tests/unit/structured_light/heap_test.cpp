@@ -1,28 +1,12 @@
 // SPDX-FileCopyrightText: The Raybundle authors
 // SPDX-License-Identifier: Apache-2.0
 
-// What ships on a device takes its memory at the start: this binary counts every call of operator new.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
+#include "heap_calls.hpp"
 #include "raybundle/structured_light/structured_light.hpp"
 #include "spot_image.hpp"
 #include "worlds.hpp"
-
-namespace {
-std::atomic<long> heap_calls{0};
-}
-
-void* operator new(std::size_t size) {
-  ++heap_calls;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace raybundle {
 namespace {
@@ -38,10 +22,10 @@ TEST(StructuredLight, TakesNoMemoryAfterItsStart) {
   }
   for (const Labeller& labeller : kLabellers) {
     StructuredLight sensor(table, {.labeller = labeller, .dots = {}, .health = {}});
-    const long before = heap_calls;
+    const long before = testing::heap_calls;
     std::size_t points = 0;
     for (const testing::SpotImage& image : images) points += sensor.process(image.view()).points.size();
-    EXPECT_EQ(heap_calls - before, 0) << labeller.name;
+    EXPECT_EQ(testing::heap_calls - before, 0) << labeller.name;
     EXPECT_GT(points, 300U) << labeller.name;
   }
 }
