@@ -80,7 +80,7 @@ Proof prove(const World& world, int seeds) {
   Proof proof;
   proof.beams.resize(world.truth.beams.size());
   for (int seed = 1; seed <= seeds; ++seed) {
-    const CalibrationProblem problem = with_noise(world.exact.problem, kSigmaPx, static_cast<unsigned>(seed));
+    const CalibrationProblem problem = testing::with_noise(world.exact.problem, kSigmaPx, static_cast<unsigned>(seed));
     BundleState state = world.truth;
     if (solve_bundle(problem, state).termination != Termination::kConverged) ++proof.failed;
     const auto covariances = beam_covariances(problem, state);

@@ -136,7 +136,7 @@ void add_depth(const World& world, const std::vector<RigCamera>& solved, const C
 
 // Solves one sample of the noise and adds what it says and what it is off by; false when the solve fails.
 bool add_sample(const World& world, int seed, std::vector<Place>& places) {
-  const CalibrationProblem problem = with_noise(world.exact.problem, kSigmaPx, static_cast<unsigned>(seed));
+  const CalibrationProblem problem = testing::with_noise(world.exact.problem, kSigmaPx, static_cast<unsigned>(seed));
   BundleState state = world.truth;
   if (solve_bundle(problem, state).termination != Termination::kConverged) return false;
   const Covariance known = covariance(reduced_information(problem, state)).covariance;
