@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "raybundle/stereo/dot_fusion.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -45,6 +45,70 @@ int grey_around(GreyView image, const AnchorDot& dot, double ring_px) {
   }
   std::sort(greys.begin(), greys.begin() + count);
   return greys[static_cast<std::size_t>(count / 2)];
+}
+
+// A dot as seen from another one.
+struct Neighbour {
+  double du, dv, r2;
+  double disparity_px, variance;
+};
+
+// A dot, first, and its nearest neighbours in the order of their distance.
+struct Neighbours {
+  std::array<Neighbour, kNeighbours + 1> all{};
+  std::size_t count = 0;
+
+  void insert(const Neighbour& neighbour) {
+    if (count == all.size() && all.back().r2 <= neighbour.r2) return;
+    std::size_t at = std::min(count, all.size() - 1);  // the farthest falls out
+    for (; at > 0 && all[at - 1].r2 > neighbour.r2; --at) all[at] = all[at - 1];
+    all[at] = neighbour;
+    count = std::min(count + 1, all.size());
+  }
+};
+
+// Those that agree with a plane, a bit for each.
+struct Agreement {
+  unsigned who = 0;
+  int number = 0;
+  double slope = 0.0;
+};
+
+// Who agrees with the plane through the first dot and two more; nobody when they are nearly in a line, or too steep.
+Agreement agreement(const Neighbours& dots, std::size_t i, std::size_t j, double most_slope, double gate_sigmas) {
+  Agreement result;
+  const Neighbour &o = dots.all[0], &p = dots.all[i], &q = dots.all[j];
+  const double area = p.du * q.dv - q.du * p.dv;
+  if (std::abs(area) <= 0.25 * std::sqrt(p.r2 * q.r2)) return result;
+  const double to_p = p.disparity_px - o.disparity_px, to_q = q.disparity_px - o.disparity_px;
+  result.slope = std::hypot(to_p * q.dv - to_q * p.dv, to_q * p.du - to_p * q.du) / std::abs(area);
+  if (result.slope > most_slope) return result;
+  for (std::size_t k = 0; k < dots.count; ++k) {
+    const Neighbour& n = dots.all[k];
+    const double of_p = (n.du * q.dv - q.du * n.dv) / area;
+    const double of_q = (p.du * n.dv - n.du * p.dv) / area;
+    const double of_o = 1.0 - of_p - of_q;
+    const double error = n.disparity_px - (o.disparity_px + of_p * to_p + of_q * to_q);
+    const double variance = n.variance + of_o * of_o * o.variance + of_p * of_p * p.variance + of_q * of_q * q.variance;
+    if (error * error > gate_sigmas * gate_sigmas * variance) continue;
+    result.who |= 1U << k;
+    ++result.number;
+  }
+  return result;
+}
+
+// The plane through the first dot and two more with which most agree; of equal ones the least steep: in a grid of dots,
+// two columns on both sides of a step lie in one plane as well.
+Agreement best_agreement(const Neighbours& dots, double most_slope, double gate_sigmas) {
+  Agreement best;
+  for (std::size_t i = 1; i < dots.count; ++i) {
+    for (std::size_t j = i + 1; j < dots.count; ++j) {
+      const Agreement found = agreement(dots, i, j, most_slope, gate_sigmas);
+      const bool better = found.number > best.number || (found.number == best.number && found.slope < best.slope);
+      if (found.number >= kLeastAgreed && better) best = found;
+    }
+  }
+  return best;
 }
 
 }  // namespace
@@ -98,11 +162,7 @@ void DotFusion::place(GreyView left, std::span<const AnchorDot> dots) {
 }
 
 void DotFusion::fit(Plane& plane) {
-  struct Neighbour {
-    double du, dv, r2, d, variance;
-  };
-  std::array<Neighbour, kNeighbours + 1> all{};
-  int count = 0;
+  Neighbours dots;
   near(plane.dot.u_px, plane.dot.v_px, [&](const Plane& other) {
     if (std::abs(other.grey - plane.grey) > options_.like_grey) return;
     const double du = other.dot.u_px - plane.dot.u_px;
@@ -111,62 +171,21 @@ void DotFusion::fit(Plane& plane) {
     if (r2 > options_.reach_px * options_.reach_px) return;
     const double bent = 0.5 * options_.bend * r2;
     const double sigma = std::max(other.dot.sigma_px, kSigmaFloorPx);
-    int at = std::min(count, kNeighbours);  // sorted by distance; the farthest falls out
-    if (count > kNeighbours && all[kNeighbours].r2 <= r2) return;
-    for (; at > 0 && all[static_cast<std::size_t>(at - 1)].r2 > r2; --at) {
-      all[static_cast<std::size_t>(at)] = all[static_cast<std::size_t>(at - 1)];
-    }
-    all[static_cast<std::size_t>(at)] = {du, dv, r2, other.dot.disparity_px, sigma * sigma + bent * bent};
-    count = std::min(count + 1, kNeighbours + 1);
+    dots.insert({du, dv, r2, other.dot.disparity_px, sigma * sigma + bent * bent});
   });
-
-  // The plane through the dot and two neighbours with which most agree; of equal ones the least steep.
-  const double gate2 = options_.gate_sigmas * options_.gate_sigmas;
-  unsigned best = 0;
-  int best_agreed = kLeastAgreed - 1;
-  double best_slope = 0.0;
-  for (int i = 1; i < count; ++i) {
-    for (int j = i + 1; j < count; ++j) {
-      const Neighbour &o = all[0], &p = all[static_cast<std::size_t>(i)], &q = all[static_cast<std::size_t>(j)];
-      const double area = p.du * q.dv - q.du * p.dv;
-      if (std::abs(area) < 0.25 * std::sqrt(p.r2 * q.r2)) continue;  // nearly in a line
-      const double b = ((p.d - o.d) * q.dv - (q.d - o.d) * p.dv) / area;
-      const double c = ((q.d - o.d) * p.du - (p.d - o.d) * q.du) / area;
-      const double slope = std::hypot(b, c);
-      if (slope > options_.most_slope) continue;
-      unsigned agreed = 0;
-      int number = 0;
-      for (int k = 0; k < count; ++k) {
-        const Neighbour& n = all[static_cast<std::size_t>(k)];
-        const double wp = (n.du * q.dv - q.du * n.dv) / area, wq = (p.du * n.dv - n.du * p.dv) / area;
-        const double wo = 1.0 - wp - wq;
-        const double variance = n.variance + wo * wo * o.variance + wp * wp * p.variance + wq * wq * q.variance;
-        const double error = n.d - (o.d + b * n.du + c * n.dv);
-        if (error * error > gate2 * variance) continue;
-        agreed |= 1U << k;
-        ++number;
-      }
-      if (number < best_agreed || (number == best_agreed && (best == 0 || slope >= best_slope))) continue;
-      best = agreed;
-      best_agreed = number;
-      best_slope = slope;
-    }
-  }
-  if (best == 0 || best_agreed < kLeastAgreed) return;
+  const Agreement best = best_agreement(dots, options_.most_slope, options_.gate_sigmas);
+  if (best.number == 0) return;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  for (int k = 0; k < count; ++k) {
-    if ((best >> k & 1U) == 0) continue;
-    const Neighbour& n = all[static_cast<std::size_t>(k)];
+  for (std::size_t k = 0; k < dots.count; ++k) {
+    if ((best.who >> k & 1U) == 0) continue;
+    const Neighbour& n = dots.all[k];
     const Eigen::Vector3d row(1.0, n.du, n.dv);
     information += row * row.transpose() / n.variance;
-    right += row * (n.d / n.variance);
+    right += row * (n.disparity_px / n.variance);
   }
-  const Eigen::Matrix3d covariance = information.inverse();
-  const Eigen::Vector3d solution = covariance * right;
-  plane.a = solution[0], plane.b = solution[1], plane.c = solution[2];
-  plane.aa = covariance(0, 0), plane.ab = covariance(0, 1), plane.ac = covariance(0, 2);
-  plane.bb = covariance(1, 1), plane.bc = covariance(1, 2), plane.cc = covariance(2, 2);
+  plane.covariance = information.inverse();
+  plane.disparity_px = plane.covariance * right;
   plane.agreed = true;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -69,17 +70,18 @@ class DotFusion {
   FusedView fuse(GreyView left, const DisparityView& dense, std::span<const AnchorDot> dots);
 
  private:
-  struct Plane {  // about the dot: disparity = a + b du + c dv
+  struct Plane {
     AnchorDot dot;
-    int grey = 0;         // of the dot's surroundings
-    int next = -1;        // dot of the same cell
-    bool agreed = false;  // with other dots: only then it may be used
-    double a = 0.0, b = 0.0, c = 0.0;
-    double aa = 0.0, ab = 0.0, ac = 0.0, bb = 0.0, bc = 0.0, cc = 0.0;  // covariance
+    int grey = 0;                                            // of the dot's surroundings
+    int next = -1;                                           // dot of the same cell
+    bool agreed = false;                                     // with other dots: only then it may be used
+    Eigen::Vector3d disparity_px = Eigen::Vector3d::Zero();  // at the dot, and for each px to the right and down
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 
-    double at(double du, double dv) const { return a + b * du + c * dv; }
+    double at(double du, double dv) const { return disparity_px.dot(Eigen::Vector3d(1.0, du, dv)); }
     double variance(double du, double dv) const {
-      return aa + du * du * bb + dv * dv * cc + 2.0 * (du * ab + dv * ac + du * dv * bc);
+      const Eigen::Vector3d row(1.0, du, dv);
+      return row.dot(covariance * row);
     }
   };
 
