@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+
+// What ships on a device takes its memory at the start: this binary counts every call of operator new.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+#include <random>
+
+#include "raybundle/stereo/dot_fusion.hpp"
+#include "raybundle/stereo/exposure_control.hpp"
+#include "raybundle/stereo/stereo.hpp"
+
+namespace {
+std::atomic<long> heap_calls{0};
+}
+
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  ++heap_calls;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace raybundle {
+namespace {
+
+TEST(Stereo, TakesNoMemoryAfterItsStart) {
+  constexpr ImageSize kSize{160, 120};
+  Calibration calibration;
+  calibration.cameras = {{"left", start_camera({0}, kSize, 150.0), {}}, {"right", start_camera({0}, kSize, 150.0), {}}};
+  calibration.cameras[1].camera_from_rig.translation = {-0.1, 0.0, 0.0};
+  StereoMatcher matcher(calibration, "left", "right");
+  const ImageSize rectified = matcher.rectification().camera.size;
+  DotFusion fusion(rectified);
+  ExposureControl exposure(kSize, {.least_shutter_s = 1e-4, .most_shutter_s = 1e-2});
+
+  std::mt19937 random(1);
+  std::vector<std::uint8_t> pixels(static_cast<std::size_t>(kSize.width) * (kSize.height + 1));
+  for (auto& pixel : pixels) pixel = static_cast<std::uint8_t>(random() % 256);
+  const GreyView left{pixels.data(), kSize.width, kSize.height, kSize.width};
+  const GreyView right{pixels.data() + 10, kSize.width, kSize.height, kSize.width};  // a disparity of ten pixels
+  std::vector<AnchorDot> dots;
+  for (int v = 5; v < rectified.height; v += 10) {
+    for (int u = 5; u < rectified.width; u += 10) dots.push_back({1.0 * u, 1.0 * v, 10.0, 0.1});
+  }
+
+  const long before = heap_calls;
+  int matched = 0;
+  for (int i = 0; i < 3; ++i) {
+    const StereoFrame frame = matcher.process(left, right);
+    matched += frame.disparity.matched;
+    fusion.fuse(frame.left, frame.disparity, dots);
+    exposure.update(left, exposure.next());
+  }
+  EXPECT_EQ(heap_calls - before, 0);
+  EXPECT_GT(matched, 1000);
+}
+
+}  // namespace
+}  // namespace raybundle
