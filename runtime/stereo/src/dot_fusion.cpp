@@ -33,7 +33,8 @@ const DotFusionOptions& checked(ImageSize size, const DotFusionOptions& options)
 
 // Median of eight pixels around a dot, or as many as the image has.
 int grey_around(GreyView image, const AnchorDot& dot, double ring_px) {
-  std::array<int, 8> greys{};
+  std::array<int, 8> greys;
+  greys.fill(256);  // beyond any grey: those that the image lacks come last
   int count = 0;
   for (int y = -1; y <= 1; ++y) {
     for (int x = -1; x <= 1; ++x) {
@@ -43,7 +44,7 @@ int grey_around(GreyView image, const AnchorDot& dot, double ring_px) {
       greys[static_cast<std::size_t>(count++)] = image.at(u, v);
     }
   }
-  std::sort(greys.begin(), greys.begin() + count);
+  std::ranges::sort(greys);
   return greys[static_cast<std::size_t>(count / 2)];
 }
 
