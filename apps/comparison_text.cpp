@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pose_json.hpp"
 #include "terminal.hpp"
 
 namespace raybundle::apps {
@@ -36,8 +37,6 @@ Json json_from_differences(const std::vector<NormalizedDifference>& differences)
 }
 
 Json json_from_projection(const ProjectionDifference& d) {
-  const Eigen::Quaterniond& q = d.b_from_a.rotation;
-  const Eigen::Vector3d& t = d.b_from_a.translation;
   return {{"camera", d.camera},
           {"range_m", std::isfinite(d.range_m) ? Json(d.range_m) : Json()},
           {"agrees", d.agrees()},
@@ -45,7 +44,7 @@ Json json_from_projection(const ProjectionDifference& d) {
           {"covered_share", d.covered_share},
           {"rms_px", d.rms_px},
           {"largest_px", d.largest_px},
-          {"b_from_a", {{"rotation_xyzw", {q.x(), q.y(), q.z(), q.w()}}, {"translation_m", {t.x(), t.y(), t.z()}}}},
+          {"b_from_a", json_from_pose(d.b_from_a)},
           {"map",
            {{"u_px", json_from_map(d.u_px)},
             {"v_px", json_from_map(d.v_px)},

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "pose_json.hpp"
+
 namespace raybundle::apps {
 namespace {
 
@@ -60,16 +62,12 @@ Json json_of(const NextViews& next, const CalibrationResult& result) {
       for (const Eigen::Vector2d& pixel : view.outlines[c]) pixels.push_back({pixel.x(), pixel.y()});
       if (!pixels.empty()) outlines[result.calibration.cameras[c].name] = pixels;
     }
-    const Rigid3& pose = view.rig_from_target;
-    const Eigen::Vector4d q = pose.rotation.coeffs();
-    const Eigen::Vector3d& t = pose.translation;
     views.push_back({{"camera", result.calibration.cameras[view.camera].name},
                      {"target", view.target},
                      {"text", view.text},
                      {"before", view.before},
                      {"after", view.after},
-                     {"rig_from_target",
-                      {{"rotation_xyzw", {q.x(), q.y(), q.z(), q.w()}}, {"translation_m", {t.x(), t.y(), t.z()}}}},
+                     {"rig_from_target", json_from_pose(view.rig_from_target)},
                      {"outlines_px", outlines}});
   }
   return {{"objective", next.objective}, {"unit", next.quantity == Quantity::kDepth ? "m" : "px"}, {"views", views}};

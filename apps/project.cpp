@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "chosen_camera.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
 #include "verbs.hpp"
@@ -49,14 +50,7 @@ std::array<double, count> numbers_in(const std::string& line, int number) {
 template <std::size_t in, typename Answer>
 void answer_lines(const ProjectFlags& flags, Answer&& answer) {
   const CalibrationFile file = read_calibration(flags.calibration);
-  if (flags.camera.empty() && file.calibration.cameras.size() > 1) {
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("which camera? Give --camera, as in --camera {}; there are {} cameras",
-                            file.calibration.cameras.front().name, file.calibration.cameras.size()));
-  }
-  const RigCamera& camera = flags.camera.empty() && file.calibration.cameras.size() == 1
-                                ? file.calibration.cameras.front()
-                                : camera_named(file.calibration, flags.camera);
+  const RigCamera& camera = chosen_camera(file.calibration, flags.camera);
   std::string line;
   for (int number = 1; std::getline(std::cin, line); ++number) {
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "output_folder.hpp"
+#include "pose_json.hpp"
 #include "raybundle/cockpit/cabin_renderer.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
@@ -65,11 +66,6 @@ void write_png(const fs::path& path, const GreyImage& image) {
 }
 
 ordered_json numbers(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
-
-ordered_json json_of(const Rigid3& pose) {
-  const Eigen::Vector4d q = pose.rotation.coeffs();
-  return {{"rotation_xyzw", {q[0], q[1], q[2], q[3]}}, {"translation_m", numbers(pose.translation)}};
-}
 
 ordered_json json_of(const CabinLayout& layout) {
   return {{"dashboard_x_m", layout.dashboard_x_m},
@@ -164,8 +160,8 @@ void run(const SimulateCockpitFlags& flags) {
                            {"command", command_of(flags)},
                            {"generator", flags.generator},
                            {"sensor", flags.sensor},
-                           {"vehicle_from_rig", json_of(renderer.sensor().known_vehicle_from_rig)},
-                           {"true_vehicle_from_rig", json_of(renderer.sensor().vehicle_from_rig)},
+                           {"vehicle_from_rig", json_from_pose(renderer.sensor().known_vehicle_from_rig)},
+                           {"true_vehicle_from_rig", json_from_pose(renderer.sensor().vehicle_from_rig)},
                            {"scenes", scenes}};
   write_file_whole(folder / "scenes.json", index.dump(1) + "\n");
   if (flags.json) {

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "pose_json.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
 #include "raybundle/io/observations_file.hpp"
@@ -46,12 +47,9 @@ std::string laser_section(const ProblemLaser& laser) {
 std::string poses_text(const Simulation& simulation) {
   nlohmann::ordered_json poses = nlohmann::ordered_json::array();
   for (const BoardPose& pose : simulation.poses) {
-    const Eigen::Vector4d q = pose.rig_from_target.rotation.coeffs();
-    const Eigen::Vector3d& t = pose.rig_from_target.translation;
-    poses.push_back(
-        {{"frame", simulation.problem.frames[pose.frame]},
-         {"target", pose.target},
-         {"rig_from_target", {{"rotation_xyzw", {q[0], q[1], q[2], q[3]}}, {"translation_m", {t[0], t[1], t[2]}}}}});
+    poses.push_back({{"frame", simulation.problem.frames[pose.frame]},
+                     {"target", pose.target},
+                     {"rig_from_target", json_from_pose(pose.rig_from_target)}});
   }
   return nlohmann::ordered_json{{"poses", poses}}.dump(1) + "\n";
 }

@@ -11,6 +11,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "laser_frame_files.hpp"
+#include "pose_json.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/quantile.hpp"
 
@@ -77,10 +78,7 @@ nlohmann::ordered_json rectification_json(const Rectification& pair) {
   json["baseline_m"] = pair.baseline_m;
   json["field_deg"] = {pair.field_x_rad * kDegrees, pair.field_y_rad * kDegrees};
   json["kept"] = {{"left", pair.kept_left}, {"right", pair.kept_right}};
-  const Rigid3& rig = pair.rig_from_rectified;
-  json["rig_from_rectified"] = {
-      {"rotation_xyzw", {rig.rotation.x(), rig.rotation.y(), rig.rotation.z(), rig.rotation.w()}},
-      {"translation_m", {rig.translation.x(), rig.translation.y(), rig.translation.z()}}};
+  json["rig_from_rectified"] = json_from_pose(pair.rig_from_rectified);
   return json;
 }
 

@@ -11,8 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "chosen_camera.hpp"
+#include "pose_json.hpp"
 #include "raybundle/calibrate/survey.hpp"
-#include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
 #include "raybundle/io/survey_files.hpp"
 #include "raybundle/scene/csv.hpp"
@@ -29,13 +30,6 @@ struct SurveyFlags {
   double max_rms_px = 0.0;  // 0: no gate
   bool json = false;
 };
-
-const RigCamera& chosen_camera(const Calibration& calibration, const std::string& name) {
-  if (!name.empty()) return camera_named(calibration, name);
-  if (calibration.cameras.size() == 1) return calibration.cameras.front();
-  throw Error(ErrorKind::kBadInput, fmt::format("which camera? Give --camera, as in --camera {}; there are {} cameras",
-                                                calibration.cameras.front().name, calibration.cameras.size()));
-}
 
 double rms_px(const std::vector<SurveyImage>& images) {
   double squares = 0.0;
@@ -66,13 +60,10 @@ nlohmann::ordered_json json_of(const std::vector<SurveyImage>& images, const Sur
                            {"sigmas", number(landmark.sigmas)},
                            {"used", landmark.used}});
     }
-    const Eigen::Quaterniond& q = image.camera_from_local.rotation;
-    const Eigen::Vector3d& t = image.camera_from_local.translation;
     nlohmann::ordered_json sigma = nlohmann::ordered_json::array();
     for (const double value : image.pose_sigma) sigma.push_back(number(value));
     list.push_back({{"image", image.image},
-                    {"camera_from_local",
-                     {{"rotation_xyzw", {q.x(), q.y(), q.z(), q.w()}}, {"translation_m", {t.x(), t.y(), t.z()}}}},
+                    {"camera_from_local", json_from_pose(image.camera_from_local)},
                     {"pose_sigma", sigma},
                     {"rms_px", image.rms_px},
                     {"variance_factor", number(image.variance_factor)},

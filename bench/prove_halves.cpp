@@ -9,9 +9,10 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <vector>
+
+#include "kalibr_corners.hpp"
 
 namespace {
 
@@ -26,24 +27,13 @@ struct Set {
 
 std::string quoted(const std::string& text) { return "'" + text + "'"; }
 
-// Lines ts,tag_rows,tag_cols,tag_size,tag_spacing,kp_x,kp_y,p_x,p_y,p_z,tag_id,corner_idx as a table of ours.
+// Corners that others detected, as a table of ours.
 fs::path table_of_kalibr_corners(const fs::path& folder, const fs::path& scratch) {
   const fs::path file = scratch / "corners.csv";
   std::ofstream table(file);
   table << "camera,frame,point_id,u,v\n";
   for (const std::string camera : {"cam0", "cam1"}) {
-    for (const auto& entry : fs::directory_iterator(folder / camera)) {
-      std::ifstream corners(entry.path());
-      for (std::string line; std::getline(corners, line);) {
-        if (line.starts_with("#")) continue;
-        std::vector<std::string> cells;
-        std::istringstream rest(line);
-        for (std::string cell; std::getline(rest, cell, ',');) cells.push_back(cell);
-        if (cells.size() < 12) continue;
-        const int id = 4 * std::stoi(cells[10]) + std::stoi(cells[11]);
-        table << camera << ',' << cells[0] << ',' << id << ',' << cells[5] << ',' << cells[6] << '\n';
-      }
-    }
+    table << raybundle::testing::csv_of_kalibr_corners(folder / camera, camera);
   }
   return file;
 }

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <map>
 
+#include "kalibr_corners.hpp"
 #include "opencv_stereo.hpp"
 #include "program.hpp"
 
@@ -50,28 +51,12 @@ TEST(Calibrates, TheBumblebeesBaseline) {
   EXPECT_NEAR(baseline_m(json_of(place / "out" / "calibration.json"), "left", "right"), 0.12004, 0.0003);
 }
 
-// Corners that others detected: ts,tag_rows,tag_cols,tag_size,tag_spacing,kp_x,kp_y,p_x,p_y,p_z,tag_id,corner_idx.
-void add_kalibr_corners(const fs::path& folder, const std::string& camera, std::string& csv) {
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    std::ifstream file(entry.path());
-    for (std::string line; std::getline(file, line);) {
-      if (line.starts_with("#")) continue;
-      std::vector<std::string> cells;
-      std::istringstream rest(line);
-      for (std::string cell; std::getline(rest, cell, ',');) cells.push_back(cell);
-      if (cells.size() < 12) continue;
-      const int id = 4 * std::stoi(cells[10]) + std::stoi(cells[11]);
-      csv += fmt::format("{},{},{},{},{}\n", camera, cells[0], id, cells[5], cells[6]);
-    }
-  }
-}
-
 TEST(Calibrates, EurocFromOthersCorners) {
   RAYBUNDLE_NEEDS_DATA("euroc_april");
   const fs::path place = fresh_folder();
   std::string csv = "camera,frame,point_id,u,v\n";
   for (const std::string camera : {"cam0", "cam1"}) {
-    add_kalibr_corners(real_data("euroc_april") / "cam_april" / camera, camera, csv);
+    csv += csv_of_kalibr_corners(real_data("euroc_april") / "cam_april" / camera, camera);
   }
   write_text(place / "corners.csv", csv);
   const nlohmann::json report = calibrate(

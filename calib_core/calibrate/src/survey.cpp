@@ -229,10 +229,7 @@ std::vector<SurveyImage> check_survey(const Calibration& calibration, const RigC
                                       const std::vector<Landmark>& landmarks, const std::vector<Sighting>& sightings,
                                       double sighting_sigma_px) {
   std::optional<ProjectionUncertainty> uncertainty;
-  try {
-    uncertainty = projection_uncertainty(camera, calibration.covariance);
-  } catch (const Error&) {  // a calibration without covariance: its own share is not known
-  }
+  if (camera.evidence) uncertainty = projection_uncertainty(camera, calibration.covariance);
   std::map<std::string, std::vector<Pair>> images;
   for (const Sighting& sighting : sightings) {
     const auto landmark = std::ranges::find(landmarks, sighting.landmark, &Landmark::name);

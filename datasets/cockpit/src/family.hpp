@@ -43,24 +43,21 @@ struct ChildPlace {
 };
 
 /// A car maker's cabins and the people and things in them. Everything is drawn from the Random that is handed in.
-class CabinFamily {
- public:
-  virtual ~CabinFamily() = default;
+struct CabinFamily {
+  CabinLayout (*layout)(Random& random);
+  SeatSetting (*seat_setting)(const CabinLayout& layout, Random& random);
+  void (*add_car)(const CabinLayout& layout, Random& random, Meshes& meshes);
+  void (*add_seat)(const SeatSetting& seat, Random& random, Meshes& meshes);
 
-  virtual CabinLayout layout(Random& random) const = 0;
-  virtual SeatSetting seat_setting(const CabinLayout& layout, Random& random) const = 0;
-  virtual void add_car(const CabinLayout& layout, Random& random, Meshes& meshes) const = 0;
-  virtual void add_seat(const SeatSetting& seat, Random& random, Meshes& meshes) const = 0;
+  Person (*person)(Age age, Random& random);
+  Posture (*posture)(const BodySize& size, Sitting sitting, const SeatSetting& seat, const CabinLayout& layout,
+                     Random& random);
+  void (*add_person)(const Person& person, const Skeleton& skeleton, Meshes& meshes);
 
-  virtual Person person(Age age, Random& random) const = 0;
-  virtual Posture posture(const BodySize& size, Sitting sitting, const SeatSetting& seat, const CabinLayout& layout,
-                          Random& random) const = 0;
-  virtual void add_person(const Person& person, const Skeleton& skeleton, Meshes& meshes) const = 0;
-
-  virtual ChildPlace add_booster(const SeatSetting& seat, Random& random, Meshes& meshes) const = 0;
-  virtual ChildPlace add_forward_baby_seat(const SeatSetting& seat, Random& random, Meshes& meshes) const = 0;
-  virtual ChildPlace add_rear_baby_seat(const SeatSetting& seat, Random& random, Meshes& meshes) const = 0;
-  virtual void add_objects(const SeatSetting& seat, Random& random, Meshes& meshes) const = 0;
+  ChildPlace (*add_booster)(const SeatSetting& seat, Random& random, Meshes& meshes);
+  ChildPlace (*add_forward_baby_seat)(const SeatSetting& seat, Random& random, Meshes& meshes);
+  ChildPlace (*add_rear_baby_seat)(const SeatSetting& seat, Random& random, Meshes& meshes);
+  void (*add_objects)(const SeatSetting& seat, Random& random, Meshes& meshes);
 };
 
 const CabinFamily& training_family();

@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "raybundle/geometry/rigid3.hpp"
+
+namespace raybundle::apps {
+
+/// A transform as all our files hold it: `rotation_xyzw`, `translation_m`.
+inline nlohmann::ordered_json json_from_pose(const Rigid3& b_from_a) {
+  const Eigen::Vector4d q = b_from_a.rotation.coeffs();
+  const Eigen::Vector3d& t = b_from_a.translation;
+  return {{"rotation_xyzw", {q[0], q[1], q[2], q[3]}}, {"translation_m", {t[0], t[1], t[2]}}};
+}
+
+}  // namespace raybundle::apps
