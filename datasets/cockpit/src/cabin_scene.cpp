@@ -62,7 +62,9 @@ std::shared_ptr<Traced> traced_from(const std::vector<CabinMesh>& meshes) {
   static const std::shared_ptr<RTCDeviceTy> device(new_device(), rtcReleaseDevice);
   traced->device = device;
   traced->scene.reset(rtcNewScene(device.get()), rtcReleaseScene);
+  rtcSetSceneBuildQuality(traced->scene.get(), RTC_BUILD_QUALITY_LOW);  // few rays are sent into a scene
   const RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+  rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_LOW);
   void* at = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Eigen::Vector3f),
                                      vertices.size());
   std::copy(vertices.begin(), vertices.end(), static_cast<Eigen::Vector3f*>(at));
