@@ -20,7 +20,8 @@ std::vector<Eigen::Vector2d> projected(const CalibrationProblem& problem, const 
   with_model(camera.model, [&]<CameraModel M>() {
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       const TargetPoint* point = target.find(seen.observations[i].point_id);
-      const Eigen::Vector3d ray = pose * points[point - target.points.data()];
+      const Eigen::Vector3d& x = points[point - target.points.data()];
+      const Eigen::Vector3d ray = point->infinitely_far ? Eigen::Vector3d(pose.rotation * x) : pose * x;
       Eigen::Vector2d pixel;
       if (pixel_from_ray<M>(camera.parameters.data(), ray.data(), pixel.data())) pixels[i] = pixel;
     }

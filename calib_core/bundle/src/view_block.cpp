@@ -24,6 +24,7 @@ std::vector<ViewData> used_views(const CalibrationProblem& problem, const Bundle
                   .pose = state.pose_of_view[v],
                   .model = state.cameras[view.camera].model,
                   .x_in_target = Eigen::MatrixX3d(used, 3),
+                  .nearness = Eigen::ArrayXd(used),
                   .shape_basis = Eigen::MatrixX3d(used, 3),
                   .pixel = Eigen::MatrixX2d(used, 2),
                   .inverse_sigma = Eigen::ArrayXd(used)};
@@ -33,6 +34,7 @@ std::vector<ViewData> used_views(const CalibrationProblem& problem, const Bundle
       const Observation& observation = view.observations[k];
       const TargetPoint* point = target.find(observation.point_id);
       data.x_in_target.row(i) = point->x_in_target.transpose();
+      data.nearness[i] = point->infinitely_far ? 0.0 : 1.0;
       data.shape_basis.row(i) = bases[view.target][point - target.points.data()].transpose();
       data.pixel.row(i) = observation.pixel.transpose();
       data.inverse_sigma[i++] = 1.0 / observation.sigma_px;

@@ -14,7 +14,8 @@ namespace {
 // The corners' offsets from the board's origin, in camera axes, and their weights; one entry for each row of ViewRows.
 struct Corners {
   Eigen::Matrix<double, Eigen::Dynamic, 3> offset;
-  Eigen::VectorXd weight;  // 1/sigma, later with the root of ρ'
+  Eigen::VectorXd weight;    // 1/sigma, later with the root of ρ'
+  Eigen::VectorXd nearness;  // as ViewData
 };
 
 [[gnu::always_inline]] inline void load(const double* from, double& number) { number = *from; }
@@ -35,12 +36,14 @@ template <CameraModel M, typename Number>
     load(&view.shape_basis(i, k), basis);
     x[2] += basis * Number(point.shape[k]);
   }
+  Number nearness;
+  load(&corners.nearness[i], nearness);
   Number ray[3];
   for (int r = 0; r < 3; ++r) {
     const auto to = [&](int k) { return Number(map.camera_from_target(r, k)); };
     const Number offset = to(0) * x[0] + to(1) * x[1] + to(2) * x[2];
     store(offset, &corners.offset(i, r));
-    ray[r] = offset + Number(map.translation[r]);
+    ray[r] = offset + nearness * Number(map.translation[r]);
   }
   Number model_shape[n > 0 ? n : 1];
   for (int k = 0; k < n; ++k) model_shape[k] = Number(point.intrinsics[4 + k]);
@@ -136,13 +139,15 @@ void differentiate(double focal, const Corners& corners, int model_shape_size, E
   double* __restrict turn = model_shape;
   double* __restrict slope = turn + 3 * stride;
   const double* __restrict offset = corners.offset.data();
+  const double* __restrict nearness = corners.nearness.data();
   for (Eigen::Index i = 0; i < stride; ++i) {
     const double scale = focal * weight[i];
     const double sx = slope[i] * scale, sy = slope[i + stride] * scale, sz = slope[i + 2 * stride] * scale;
     const double ox = offset[i], oy = offset[i + stride], oz = offset[i + 2 * stride];
-    slope[i] = sx;
-    slope[i + stride] = sy;
-    slope[i + 2 * stride] = sz;
+    const double near = nearness[i];
+    slope[i] = near * sx;
+    slope[i + stride] = near * sy;
+    slope[i + 2 * stride] = near * sz;
     turn[i] = oy * sz - oz * sy;  // slopeᵀ (w × offset) = (offset × slope)ᵀ w
     turn[i + stride] = oz * sx - ox * sz;
     turn[i + 2 * stride] = ox * sy - oy * sx;
@@ -173,6 +178,9 @@ void resize(const ViewData& view, const ViewBlockOptions& options, int model_sha
   corners.weight.resize(padded);
   corners.weight.head(rows.corners) = view.inverse_sigma;
   corners.weight.tail(padded - rows.corners).setZero();
+  corners.nearness.resize(padded);
+  corners.nearness.head(rows.corners) = view.nearness;
+  corners.nearness.tail(padded - rows.corners).setZero();
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "cameras_alone.hpp"
 #include "content_order.hpp"
+#include "drag.hpp"
 #include "joint_solve.hpp"
 #include "laser_stage.hpp"
 #include "raybundle/bundle/parameters.hpp"
@@ -23,6 +24,7 @@
 #include "stopwatch.hpp"
 #include "subproblem.hpp"
 #include "summary.hpp"
+#include "survey_stage.hpp"
 
 namespace raybundle {
 namespace {
@@ -78,48 +80,16 @@ void fill_covariance(const CalibrationProblem& problem, const BundleState& state
                             "in the corners of the image, or choose a model with fewer parameters");
 }
 
-// What the dots did to the cameras' free parameters.
-std::vector<DraggedParameter> drag_of(const CalibrationProblem& problem, const BundleState& without,
-                                      const BundleState& with, const BundleOptions& bundle, const Covariance& known) {
-  std::vector<DraggedParameter> dragged;
-  for (const ParameterBlock& block : estimated_blocks(problem, without, bundle)) {
-    if (block.kind == ParameterBlock::Kind::kShape) continue;
-    const PriorMean before = current_values(without, block), after = current_values(with, block);
-    const bool pose = block.kind == ParameterBlock::Kind::kCameraFromRig;
-    const Eigen::VectorXd motion = pose ? motion_between(before.camera_from_rig, after.camera_from_rig)
-                                        : Eigen::Matrix<double, 6, 1>(Eigen::Matrix<double, 6, 1>::Zero());
-    for (const int i : block.free()) {
-      const std::string& name = block.parameters[i].name;
-      const double sigma = known.sigma(name);
-      dragged.push_back(pose ? DraggedParameter{name, 0.0, motion[i], sigma}
-                             : DraggedParameter{name, before.values[i], after.values[i], sigma});
-    }
-  }
-  return dragged;
-}
-
-// Dots as strong as corners that move a parameter by more than they can explain.
-void warn_of_drag(const LaserSummary& laser, CalibrationResult& result) {
-  constexpr double kMostSigmas = 4.0;
-  const auto worst = std::ranges::max_element(laser.parameters, {}, &DraggedParameter::moved_sigmas);
-  if (worst == laser.parameters.end() || worst->moved_sigmas() <= kMostSigmas) return;
-  result.warnings.push_back(fmt::format(
-      "the laser's dots drag the cameras: {} is {:.6g} with them and {:.6g} without, {:.1f} of its sigmas "
-      "away; dots and corners contradict each other, so look for wrong labels, a bent board or a lens model "
-      "that does not fit, or keep the cameras with --fix '*.intrinsics'",
-      worst->name, worst->with, worst->without, worst->moved_sigmas()));
-}
-
 // Cameras, boards and beams in one bundle, from cameras and boards that are solved.
 //
 // @throws Error(kNotEnoughData) with nothing changed
-void add_laser(const CalibrateOptions& options, const BundleOptions& bundle, CalibrationProblem& problem,
-               BundleState& state, CalibrationResult& result) {
+void add_laser(const CalibrateOptions& options, const BundleOptions& bundle, double corner_scale,
+               CalibrationProblem& problem, BundleState& state, CalibrationResult& result) {
   CalibrationResult with = result;
   LaserSolve solve;
   {
     const Stopwatch stopwatch(with.stages, "laser");
-    solve = solve_with_dots(problem, state, std::sqrt(result.variance_factor), options, bundle);
+    solve = solve_with_dots(problem, state, corner_scale, options, bundle);
   }
   {
     const Stopwatch stopwatch(with.stages, "uncertainty");
@@ -138,23 +108,61 @@ void add_laser(const CalibrateOptions& options, const BundleOptions& bundle, Cal
         "which beam is which is guessed: the labels may all be off by the same rows and columns; say which beam a dot "
         "belongs to (--anchor), or name the brightest or a missing beam");
   }
-  warn_of_drag(solve.laser, with);
+  if (const auto warning = drag_warning(solve.laser.parameters, "the laser's dots", "wrong labels")) {
+    with.warnings.push_back(*warning);
+  }
   with.laser = std::move(solve.laser);
   problem = std::move(solve.problem);
   state = std::move(solve.state);
   result = std::move(with);
 }
 
+// Landmarks join the bundle, in images of their own. What cannot be placed is told; without any the cameras remain.
+//
+// @param corner_scale  of the corners' residuals over the sigmas that they have; brought up to date
+// @return              target_from_local of the targets that were added
+std::vector<Rigid3> add_survey(const CalibrateOptions& options, const BundleOptions& bundle, double& corner_scale,
+                               CalibrationProblem& problem, BundleState& state, CalibrationResult& result) {
+  SurveySolve solve;
+  {
+    const Stopwatch stopwatch(result.stages, "survey");
+    solve = solve_with_landmarks(problem, state, result.calibration.covariance, corner_scale, options, bundle);
+  }
+  if (solve.images.empty()) {
+    std::ranges::copy(solve.not_placed, std::back_inserter(result.warnings));
+    return {};
+  }
+  const double before = result.variance_factor;
+  SurveySummary survey{std::move(solve.images),
+                       drag_of(problem, state, solve.state, bundle, result.calibration.covariance)};
+  result.warnings = solve.not_placed;  // the covariance gives its own again
+  {
+    const Stopwatch stopwatch(result.stages, "uncertainty");
+    fill_covariance(solve.problem, solve.state, bundle, result);
+  }
+  corner_scale = std::sqrt(result.variance_factor);
+  result.variance_factor *= before;
+  result.termination = solve.summary.termination;
+  result.iterations += solve.summary.iterations;
+  if (const auto warning = drag_warning(survey.parameters, "the landmarks", "wrong names or coordinates")) {
+    result.warnings.push_back(*warning);
+  }
+  result.survey = std::move(survey);
+  problem = std::move(solve.problem);
+  state = std::move(solve.state);
+  return solve.target_from_local;
+}
+
 // The dots of a laser join the bundle. Without beams the cameras remain.
-void try_laser(const CalibrateOptions& options, const BundleOptions& bundle, CalibrationProblem& problem,
-               BundleState& state, CalibrationResult& result) {
+void try_laser(const CalibrateOptions& options, const BundleOptions& bundle, double corner_scale,
+               CalibrationProblem& problem, BundleState& state, CalibrationResult& result) {
   if (!has_dots(problem)) {
     result.warnings.push_back(
         "no dot of the laser was found on a board; are the images with the laser on and off the same, or swapped?");
     return;
   }
   try {
-    add_laser(options, bundle, problem, state, result);
+    add_laser(options, bundle, corner_scale, problem, state, result);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kNotEnoughData) throw;
     result.warnings.push_back(std::string("the laser's beams could not be calibrated: ") + error.what());
@@ -257,7 +265,16 @@ CalibrationResult calibrate_in_order(const CalibrationProblem& problem, const Ca
   result.termination = solve.summary.termination;
   result.iterations = solve.summary.iterations;
 
-  if (sub.problem.laser) try_laser(options, bundle, sub.problem, state, result);
+  double corner_scale = std::sqrt(result.variance_factor);
+  std::vector<Rigid3> target_from_local;
+  if (sub.problem.survey) {
+    target_from_local = add_survey(options, bundle, corner_scale, sub.problem, state, result);
+  }
+  if (sub.problem.laser) try_laser(options, bundle, corner_scale, sub.problem, state, result);
+  if (result.survey) {
+    fill_residuals(sub.problem, state, target_from_local, result.survey->images);
+    leave_out_landmarks(target_from_local.size(), sub.problem, state);
+  }
 
   fill_result(sub.problem, state, result);
   for (std::size_t c = 0; c < cameras.size(); ++c) {

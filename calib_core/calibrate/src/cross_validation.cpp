@@ -21,7 +21,7 @@ struct Halves {
   CalibrationProblem odd, even;
 };
 
-// Every other of the frames in use, without views that were set aside and without dots.
+// Every other of the frames in use, without views that were set aside, without dots and without landmarks.
 Halves halves_of(const CalibrationProblem& problem, const CalibrationResult& whole) {
   std::set<int> frames;
   for (std::size_t v = 0; v < problem.views.size(); ++v) {
@@ -31,6 +31,7 @@ Halves halves_of(const CalibrationProblem& problem, const CalibrationResult& who
   for (CalibrationProblem* half : {&halves.odd, &halves.even}) {
     half->views.clear();
     half->laser.reset();
+    half->survey.reset();  // the halves would agree because they share it
   }
   for (std::size_t v = 0; v < problem.views.size(); ++v) {
     if (whole.views[v].pose < 0) continue;

@@ -12,11 +12,11 @@
 #include "raybundle/initialize/beam_start.hpp"
 #include "raybundle/uncertainty/beam_ambiguity.hpp"
 #include "raybundle/uncertainty/beam_depth.hpp"
+#include "subproblem.hpp"
 
 namespace raybundle {
 namespace {
 
-constexpr double kSmallestSigmaPx = 1e-4;  // exact data: rounding is not to be mistaken for outliers
 constexpr int kMaxRounds = 8;
 constexpr int kFewestHits = 2;         // of a beam without a model to lean on
 constexpr int kHitsOfStrong = 3;       // of a beam that needs no prior ...
@@ -69,14 +69,6 @@ double robust_scale(const CalibrationProblem& problem, const BundleState& state)
   if (distances.size() < kFewest) return 1.0;
   const double equations = 2.0 * static_cast<double>(distances.size());
   return median(distances) / kRayleighMedian * std::sqrt(equations / (equations - unknowns));
-}
-
-void scale_corners(CalibrationProblem& problem, double scale) {
-  for (TargetView& view : problem.views) {
-    for (Observation& observation : view.observations) {
-      observation.sigma_px = std::max(scale * observation.sigma_px, kSmallestSigmaPx);
-    }
-  }
 }
 
 void scale_dots(CalibrationProblem& problem, double scale) {

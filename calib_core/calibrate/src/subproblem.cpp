@@ -36,6 +36,7 @@ Subproblem select_cameras(const CalibrationProblem& whole, const std::vector<int
     sub.problem.views.back().camera = static_cast<int>(found - cameras.begin());
     sub.views.push_back(static_cast<int>(v));
   }
+  sub.problem.survey = whole.survey;
   sub.problem.laser = whole.laser;
   if (whole.laser && whole.laser->anchor) {
     const auto anchored = std::ranges::find(sub.views, whole.laser->anchor->view);
@@ -61,6 +62,14 @@ CalibrationProblem relabelled(const CalibrationProblem& problem, const std::vect
     }
   }
   return right;
+}
+
+void scale_corners(CalibrationProblem& problem, double scale) {
+  for (TargetView& view : problem.views) {
+    for (Observation& observation : view.observations) {
+      observation.sigma_px = std::max(scale * observation.sigma_px, kSmallestSigmaPx);
+    }
+  }
 }
 
 BundleState state_from_start(const CalibrationProblem& single, const CameraStart& start) {

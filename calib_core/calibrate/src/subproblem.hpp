@@ -10,6 +10,8 @@
 
 namespace raybundle {
 
+constexpr double kSmallestSigmaPx = 1e-4;  ///< exact data: rounding is not to be mistaken for outliers
+
 /// A problem with some of the cameras of another one.
 struct Subproblem {
   CalibrationProblem problem;
@@ -25,6 +27,9 @@ Subproblem select_cameras(const CalibrationProblem& whole, const std::vector<int
 ///
 /// @param symmetry_of_view  as in RigStart
 CalibrationProblem relabelled(const CalibrationProblem& problem, const std::vector<int>& symmetry_of_view);
+
+/// Multiplies the sigma of every corner; exact data keep one that rounding does not exceed.
+void scale_corners(CalibrationProblem& problem, double scale);
 
 /// Start state of a problem with one camera.
 BundleState state_from_start(const CalibrationProblem& single, const CameraStart& start);

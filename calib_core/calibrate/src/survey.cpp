@@ -15,6 +15,7 @@
 #include "raybundle/geometry/rotation.hpp"
 #include "raybundle/initialize/target_pose.hpp"
 #include "raybundle/uncertainty/projection_uncertainty.hpp"
+#include "survey_stage.hpp"
 
 namespace raybundle {
 namespace {
@@ -30,12 +31,14 @@ struct Pair {
   const Landmark* landmark;
   Eigen::Vector2d pixel;
   bool used = true;
+  Eigen::Matrix2d of_calibration = Eigen::Matrix2d::Zero();  // covariance of a pixel there by the lens [px²]
 };
 
 struct Prediction {
   Eigen::Vector2d residual;                // seen minus predicted [px]
   Eigen::Matrix<double, 2, 6> wrt_motion;  // of the predicted pixel
-  Eigen::Matrix2d covariance;              // of sighting and landmark [px²]
+  Eigen::Matrix2d own_covariance;          // of sighting and landmark [px²]
+  Eigen::Matrix2d covariance;              // of sighting, landmark and lens
 };
 
 Eigen::Vector3d in_camera(const Rigid3& camera_from_local, const Landmark& landmark) {
@@ -68,8 +71,9 @@ std::optional<Prediction> predict(const Camera& camera, const Rigid3& camera_fro
   prediction.residual = pair.pixel - *pixel;
   prediction.wrt_motion.leftCols<3>() = -*wrt_point * skew(camera_from_local.rotation * landmark.x_in_local);
   prediction.wrt_motion.rightCols<3>() = landmark.infinitely_far ? Eigen::Matrix<double, 2, 3>::Zero() : *wrt_point;
-  prediction.covariance = std::pow(sighting_sigma_px, 2) * Eigen::Matrix2d::Identity() +
-                          std::pow(landmark.sigma, 2) * *wrt_point * wrt_point->transpose();
+  prediction.own_covariance = std::pow(sighting_sigma_px, 2) * Eigen::Matrix2d::Identity() +
+                              std::pow(landmark.sigma, 2) * *wrt_point * wrt_point->transpose();
+  prediction.covariance = prediction.own_covariance + pair.of_calibration;
   return prediction;
 }
 
@@ -86,23 +90,22 @@ Rigid3 start_pose(const Camera& camera, const std::vector<Pair>& pairs, const st
   std::vector<Eigen::Vector3d> points, point_rays, directions, direction_rays;
   for (const Pair& pair : pairs) {
     const auto ray = ray_from_pixel(camera, pair.pixel);
-    if (!ray) {
-      throw Error(ErrorKind::kBadInput,
-                  fmt::format("{} is seen at {:.1f}, {:.1f}, where the calibration has no ray; is it the right camera, "
-                              "and the image not resized?",
-                              pair.landmark->name, pair.pixel.x(), pair.pixel.y()),
-                  image);
-    }
+    if (!ray) continue;  // beyond what the calibration knows of the lens
     (pair.landmark->infinitely_far ? directions : points).push_back(pair.landmark->x_in_local);
     (pair.landmark->infinitely_far ? direction_rays : point_rays).push_back(*ray);
   }
+  const std::size_t without_ray = pairs.size() - points.size() - directions.size();
   if (points.empty() && directions.size() >= 2) return pose_from_directions(directions, direction_rays);
   if (points.size() < 4) {
     throw Error(
         ErrorKind::kNotEnoughData,
         fmt::format("{} points and {} directions do not place the camera; four points do, or two directions and "
-                    "no point",
-                    points.size(), directions.size()),
+                    "no point{}",
+                    points.size(), directions.size(),
+                    without_ray == 0 ? ""
+                                     : fmt::format(". {} more are seen where the calibration has no ray; is it the "
+                                                   "right camera, and the image not resized?",
+                                                   without_ray)),
         image);
   }
   const auto pose = robust_target_pose(points, point_rays, kStartThresholdRad);
@@ -163,21 +166,19 @@ std::vector<Landmark> seen_from(const std::vector<Pair>& pairs, const Eigen::Vec
   return moved;
 }
 
-LandmarkResidual residual_of(const Camera& camera, const Rigid3& pose, const Pair& pair, double sigma_px,
-                             const std::optional<ProjectionUncertainty>& uncertainty) {
-  LandmarkResidual result{pair.landmark->name, pair.pixel, {NAN, NAN}, INFINITY, NAN, NAN, pair.used};
+LandmarkResidual residual_of(const Camera& camera, const Rigid3& pose, const Pair& pair, double sigma_px) {
+  LandmarkResidual result{pair.landmark->name, pair.pixel, {NAN, NAN}, INFINITY, NAN, NAN, NAN, pair.used};
   if (!pair.landmark->infinitely_far) result.range_m = in_camera(pose, *pair.landmark).norm();
   const auto prediction = predict(camera, pose, pair, sigma_px);
-  if (!prediction) return result;
-  Eigen::Matrix2d covariance = prediction->covariance;
-  if (uncertainty) {
-    if (const auto calibration = projection_covariance(*uncertainty, pair.pixel, result.range_m)) {
-      covariance += *calibration;
-    }
+  if (!prediction) {  // as if it were on the axis
+    const double sigma_rad = pair.landmark->sigma / (pair.landmark->infinitely_far ? 1.0 : result.range_m);
+    result.own_sigma_px = std::hypot(sigma_px, camera.fx() * sigma_rad);
+    return result;
   }
   result.residual_px = prediction->residual;
-  result.sigma_px = std::sqrt(covariance.trace() / 2);
-  result.sigmas = std::sqrt(prediction->residual.dot(covariance.ldlt().solve(prediction->residual)));
+  result.own_sigma_px = std::sqrt(prediction->own_covariance.trace() / 2);
+  result.sigma_px = std::sqrt(prediction->covariance.trace() / 2);
+  result.sigmas = std::sqrt(prediction->residual.dot(prediction->covariance.ldlt().solve(prediction->residual)));
   return result;
 }
 
@@ -186,13 +187,18 @@ SurveyImage image_of(const Camera& camera, const std::string& image, std::vector
   const Rigid3 start = start_pose(camera, pairs, image);
   const Eigen::Vector3d centre = start.inverse().translation;
   const std::vector<Landmark> moved = seen_from(pairs, centre);
-  for (std::size_t i = 0; i < pairs.size(); ++i) pairs[i].landmark = &moved[i];
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    pairs[i].landmark = &moved[i];
+    const double range_m = moved[i].infinitely_far ? INFINITY : moved[i].x_in_local.norm();
+    const auto covariance = uncertainty ? projection_covariance(*uncertainty, pairs[i].pixel, range_m) : std::nullopt;
+    if (covariance) pairs[i].of_calibration = *covariance;
+  }
   Refined refined = refine(camera, pairs, sigma_px, {{start.rotation, Eigen::Vector3d::Zero()}, {}});
   SurveyImage result;
   const auto judge = [&] {
     result.landmarks.clear();
     for (const Pair& pair : pairs) {
-      result.landmarks.push_back(residual_of(camera, refined.pose, pair, sigma_px, uncertainty));
+      result.landmarks.push_back(residual_of(camera, refined.pose, pair, sigma_px));
     }
   };
   judge();
@@ -209,39 +215,46 @@ SurveyImage image_of(const Camera& camera, const std::string& image, std::vector
   result.image = image;
   result.camera_from_local = refined.pose * Rigid3{Eigen::Quaterniond::Identity(), -centre};
   result.pose_sigma = sigmas_of(refined.information);
-  double squares = 0.0, whitened = 0.0;
-  int used = 0;
-  for (const LandmarkResidual& landmark : result.landmarks) {
-    if (!landmark.used) continue;
-    squares += landmark.residual_px.squaredNorm();
-    whitened += landmark.sigmas * landmark.sigmas;
-    ++used;
-  }
-  const int freedom = 2 * used - (std::isnan(result.pose_sigma[3]) ? 3 : 6);
-  result.rms_px = std::sqrt(squares / std::max(1, used));
-  result.variance_factor = freedom > 0 ? whitened / freedom : std::numeric_limits<double>::quiet_NaN();
+  sum_up(result);
   return result;
 }
 
 }  // namespace
 
-std::vector<SurveyImage> check_survey(const Calibration& calibration, const RigCamera& camera,
-                                      const std::vector<Landmark>& landmarks, const std::vector<Sighting>& sightings,
-                                      double sighting_sigma_px) {
+void sum_up(SurveyImage& image) {
+  double squares = 0.0, whitened = 0.0;
+  int used = 0;
+  for (const LandmarkResidual& landmark : image.landmarks) {
+    if (!landmark.used) continue;
+    squares += landmark.residual_px.squaredNorm();
+    whitened += landmark.sigmas * landmark.sigmas;
+    ++used;
+  }
+  const int freedom = 2 * used - (std::isnan(image.pose_sigma[3]) ? 3 : 6);
+  image.rms_px = std::sqrt(squares / std::max(1, used));
+  image.variance_factor = freedom > 0 ? whitened / freedom : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::vector<SurveyImage> check_survey(const Calibration& calibration, const RigCamera& camera, const Survey& survey) {
   std::optional<ProjectionUncertainty> uncertainty;
   if (camera.evidence) uncertainty = projection_uncertainty(camera, calibration.covariance);
   std::map<std::string, std::vector<Pair>> images;
-  for (const Sighting& sighting : sightings) {
-    const auto landmark = std::ranges::find(landmarks, sighting.landmark, &Landmark::name);
-    if (landmark == landmarks.end()) {
+  for (const Sighting& sighting : survey.sightings) {
+    if (!sighting.camera.empty() && sighting.camera != camera.name) continue;
+    const auto landmark = std::ranges::find(survey.landmarks, sighting.landmark, &Landmark::name);
+    if (landmark == survey.landmarks.end()) {
       throw Error(ErrorKind::kBadInput, "landmark '" + sighting.landmark + "' is not among the surveyed ones",
                   sighting.image);
     }
     images[sighting.image].push_back({&*landmark, sighting.pixel});
   }
+  if (images.empty()) {
+    throw Error(ErrorKind::kNotEnoughData, "none of the sightings is by camera " + camera.name + "; name another");
+  }
   std::vector<SurveyImage> results;
   for (const auto& [image, pairs] : images) {
-    results.push_back(image_of(camera.camera, image, pairs, sighting_sigma_px, uncertainty));
+    results.push_back(image_of(camera.camera, image, pairs, survey.sighting_sigma_px, uncertainty));
+    results.back().camera = camera.name;
   }
   return results;
 }

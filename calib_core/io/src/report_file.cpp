@@ -132,7 +132,7 @@ OrderedJson json_from_laser_summary(const LaserSummary& laser) {
           {"grating_rms_rad", laser.grating_rms_rad},
           {"beams_with_prior", laser.beams_with_prior},
           {"label_origin", laser.label_origin},
-          {"drag_sigmas", laser.drag_sigmas()},
+          {"drag_sigmas", drag_sigmas(laser.parameters)},
           {"parameters", parameters}};
 }
 

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <numbers>
 #include <set>
+#include <tuple>
 
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/scene/csv.hpp"
@@ -107,22 +108,23 @@ std::vector<Landmark> landmarks_from_csv_text(std::string_view text, const std::
 std::vector<Sighting> sightings_from_csv_text(std::string_view text, const std::string& name,
                                               const std::vector<Landmark>& landmarks) {
   CsvTable table = csv_from_text(text, name);
-  arrange_columns(table, {{"image", "u", "v", "name"}, {}});
+  arrange_columns(table, {{"image", "u", "v", "name"}, {"camera"}});
   if (table.rows.empty()) throw Error(ErrorKind::kBadInput, "there are no sightings in the file", name);
   std::vector<std::string> names;
   for (const Landmark& landmark : landmarks) names.push_back(landmark.name);
   std::vector<Sighting> sightings;
-  std::set<std::pair<std::string, std::string>> seen;
+  std::set<std::tuple<std::string, std::string, std::string>> seen;
   for (const CsvRow& row : table.rows) {
     if (std::ranges::find(names, row.fields[3]) == names.end()) {
       fail_at(table, row,
               "landmark " + in_quotes(row.fields[3]) + " is not among the surveyed ones." +
                   did_you_mean(row.fields[3], names));
     }
-    if (!seen.emplace(row.fields[0], row.fields[3]).second) {
+    if (!seen.emplace(row.fields[0], row.fields[3], row.fields[4]).second) {
       fail_at(table, row, in_quotes(row.fields[3]) + " is seen a second time in " + in_quotes(row.fields[0]));
     }
-    sightings.push_back({row.fields[0], row.fields[3], {number_in(table, row, 1, "u"), number_in(table, row, 2, "v")}});
+    const Eigen::Vector2d pixel(number_in(table, row, 1, "u"), number_in(table, row, 2, "v"));
+    sightings.push_back({row.fields[0], row.fields[3], pixel, row.fields[4]});
   }
   return sightings;
 }

@@ -133,6 +133,31 @@ void check_dots(const TargetView& view, const std::optional<ProblemLaser>& laser
   }
 }
 
+// Landmarks by name, sightings of them by cameras that there are; the files' readers name lines, this names things.
+void check_landmarks(const CalibrationProblem& problem) {
+  const Survey& survey = *problem.survey;
+  if (!(survey.sighting_sigma_px > 0)) refuse("the sigma of a sighting is not positive", "survey");
+  std::set<std::string> names;
+  for (const Landmark& landmark : survey.landmarks) {
+    const std::string where = "landmark " + landmark.name;
+    if (!names.insert(landmark.name).second) refuse("stands twice", where);
+    if (!landmark.x_in_local.allFinite() || !(landmark.sigma >= 0)) refuse("has no finite place or sigma", where);
+  }
+  for (const Sighting& sighting : survey.sightings) {
+    const std::string where = "sighting of " + sighting.landmark + " in " + sighting.image;
+    if (!names.contains(sighting.landmark)) refuse("the landmark is not among the surveyed ones", where);
+    if (!sighting.pixel.allFinite()) refuse("has a pixel that is not a finite number", where);
+    if (sighting.camera.empty()
+            ? problem.cameras.size() == 1
+            : std::ranges::find(problem.cameras, sighting.camera, &ProblemCamera::name) != problem.cameras.end()) {
+      continue;
+    }
+    refuse(sighting.camera.empty() ? "with several cameras each sighting must name its camera; add a column 'camera'"
+                                   : "there is no camera '" + sighting.camera + "'",
+           where);
+  }
+}
+
 void check_laser(const CalibrationProblem& problem) {
   const ProblemLaser& laser = *problem.laser;
   if (laser.grid.rows < 1 || laser.grid.columns < 1) refuse("the laser's rows and columns must be at least 1", "laser");
@@ -154,6 +179,7 @@ void check(const CalibrationProblem& problem) {
   if (problem.cameras.empty()) refuse("the problem has no camera");
   if (problem.targets.empty()) refuse("the problem has no target");
   if (problem.laser) check_laser(problem);
+  if (problem.survey) check_landmarks(problem);
   std::set<std::string> names;
   for (const ProblemCamera& camera : problem.cameras) {
     check_camera(camera);

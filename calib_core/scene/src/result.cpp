@@ -11,7 +11,7 @@ double DraggedParameter::moved_sigmas() const {
   return sigma_without > 0.0 ? std::abs(with - without) / sigma_without : 0.0;
 }
 
-double LaserSummary::drag_sigmas() const {
+double drag_sigmas(const std::vector<DraggedParameter>& parameters) {
   double largest = 0.0;
   for (const DraggedParameter& parameter : parameters) largest = std::max(largest, parameter.moved_sigmas());
   return largest;

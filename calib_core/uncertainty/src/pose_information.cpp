@@ -10,17 +10,13 @@
 namespace raybundle {
 namespace {
 
-std::vector<int> shape_places(const CalibratedTarget& target, const Covariance& covariance) {
-  const std::string& name = target.target.name;
-  return places_of({name + ".bend_x", name + ".bend_y", name + ".twist"}, covariance);
-}
-
 ViewData view_of(int camera, int target, ModelId model, Eigen::Index rows) {
   ViewData view;
   view.camera = camera;
   view.target = target;
   view.model = model;
   view.x_in_target.resize(rows, 3);
+  view.nearness.setOnes(rows);
   view.shape_basis.resize(rows, 3);
   view.pixel.setZero(rows, 2);
   view.inverse_sigma.resize(rows);
@@ -54,7 +50,7 @@ PoseInformation pose_information(const Calibration& calibration, const std::vect
     auto here = by_all.middleRows(row, count);
     scatter(block.wrt_intrinsics.topRows(count), places_of(intrinsic_names(camera), known), here);
     scatter(block.wrt_camera_from_rig.topRows(count), places_of(extrinsic_names(camera), known), here);
-    scatter(block.wrt_shape.topRows(count), shape_places(target, known), here);
+    scatter(block.wrt_shape.topRows(count), places_of(shape_names(target.target), known), here);
     here.rightCols<1>() = block.residual.head(count);
     row += count;
   }

@@ -76,7 +76,7 @@ TEST(CalibrateLaser, NoisyDotsScatterAsTheirCovarianceSaysAndDragNothing) {
   const Errors errors = errors_of(truth, result);
   EXPECT_EQ(errors.wrong_labels, 0);
   EXPECT_NEAR(std::sqrt(errors.mean_squared_sigmas), 1.0, 0.25);
-  EXPECT_LT(result.laser->drag_sigmas(), 4.0);
+  EXPECT_LT(drag_sigmas(result.laser->parameters), 4.0);
   EXPECT_NEAR(result.laser->sigma_scale, 1.0, 0.1);
   for (const LaserBeam& beam : result.calibration.laser->beams) {
     if (beam.hits < 6) continue;

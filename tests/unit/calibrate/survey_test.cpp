@@ -63,7 +63,7 @@ TEST(Survey, ExactSightingsGiveTheExactPose) {
   const Calibration calibration = calibration_of(-0.01);
   const auto surveyed = landmarks(12, 0.05);
   const auto images =
-      check_survey(calibration, calibration.cameras[0], surveyed, sightings(calibration, surveyed, 0.0, 1), 0.5);
+      check_survey(calibration, calibration.cameras[0], {surveyed, sightings(calibration, surveyed, 0.0, 1), 0.5});
   ASSERT_EQ(images.size(), 1u);
   EXPECT_LT(angle_between(images[0].camera_from_local, camera_from_local()), 1e-9);
   EXPECT_LT((images[0].camera_from_local.inverse().translation - Eigen::Vector3d(1234, -4321, 12)).norm(), 1e-4);
@@ -78,7 +78,7 @@ TEST(Survey, DirectionsGiveTheRotation) {
         {"s" + std::to_string(i), Eigen::Vector3d(0.3 * i - 0.6, 1.0, 0.1 * (i % 3)).normalized(), true, 1e-5});
   }
   const auto images =
-      check_survey(calibration, calibration.cameras[0], stars, sightings(calibration, stars, 0.0, 1), 0.5);
+      check_survey(calibration, calibration.cameras[0], {stars, sightings(calibration, stars, 0.0, 1), 0.5});
   EXPECT_LT(images.at(0).camera_from_local.rotation.angularDistance(camera_from_local().rotation), 1e-9);
   EXPECT_TRUE(std::isnan(images[0].pose_sigma[3]));
 }
@@ -90,7 +90,7 @@ TEST(Survey, ResidualsAreAsTheSigmasSay) {
   double sum = 0.0;
   for (unsigned seed = 1; seed <= 100; ++seed) {
     const auto seen = sightings(calibration, surveyed, 0.5, seed);
-    sum += check_survey(calibration, calibration.cameras[0], surveyed, seen, 0.5).at(0).variance_factor;
+    sum += check_survey(calibration, calibration.cameras[0], {surveyed, seen, 0.5}).at(0).variance_factor;
   }
   EXPECT_NEAR(sum / 100, 1.0, 0.1);  // three standard deviations of that mean
 }
@@ -100,19 +100,20 @@ TEST(Survey, AMistakenLandmarkIsLeftOutAndAWrongLensIsSeen) {
   const auto surveyed = landmarks(14, 0.05);
   auto seen = sightings(calibration, surveyed, 0.3, 5);
   seen[4].pixel += Eigen::Vector2d(15, -9);
-  const SurveyImage right = check_survey(calibration, calibration.cameras[0], surveyed, seen, 0.3).at(0);
+  const SurveyImage right = check_survey(calibration, calibration.cameras[0], {surveyed, seen, 0.3}).at(0);
   EXPECT_FALSE(right.landmarks[4].used);
   EXPECT_EQ(std::ranges::count(right.landmarks, true, &LandmarkResidual::used), std::ssize(seen) - 1);
   EXPECT_LT(right.variance_factor, 2.0);
   const Calibration wrong = calibration_of(-0.03);
-  EXPECT_GT(check_survey(wrong, wrong.cameras[0], surveyed, seen, 0.3).at(0).variance_factor, 4.0);
+  EXPECT_GT(check_survey(wrong, wrong.cameras[0], {surveyed, seen, 0.3}).at(0).variance_factor, 4.0);
 }
 
 TEST(Survey, TooFewLandmarksAreRefused) {
   const Calibration calibration = calibration_of(-0.01);
   const auto surveyed = landmarks(3, 0.0);
-  EXPECT_THROW(check_survey(calibration, calibration.cameras[0], surveyed, sightings(calibration, surveyed, 0, 1), 0.5),
-               Error);
+  EXPECT_THROW(
+      check_survey(calibration, calibration.cameras[0], {surveyed, sightings(calibration, surveyed, 0, 1), 0.5}),
+      Error);
 }
 
 }  // namespace

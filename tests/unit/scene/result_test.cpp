@@ -9,9 +9,9 @@ namespace {
 
 TEST(LaserSummary, DragIsTheLargestMoveInSigmasAndIgnoresWhatWasHeld) {
   LaserSummary laser;
-  EXPECT_EQ(laser.drag_sigmas(), 0.0);
+  EXPECT_EQ(drag_sigmas(laser.parameters), 0.0);
   laser.parameters = {{"left.fx", 300.0, 300.2, 0.1}, {"left.cx", 320.0, 319.5, 0.1}, {"left.k4", 0.0, 1.0, 0.0}};
-  EXPECT_NEAR(laser.drag_sigmas(), 5.0, 1e-9);
+  EXPECT_NEAR(drag_sigmas(laser.parameters), 5.0, 1e-9);
 }
 
 }  // namespace

@@ -17,6 +17,7 @@ struct ViewData {
   int pose = 0;
   ModelId model;
   Eigen::MatrixX3d x_in_target;  ///< on the ideal board [m]
+  Eigen::ArrayXd nearness;       ///< what a translation counts: 1, but 0 for points that are infinitely far
   Eigen::MatrixX3d shape_basis;  ///< as shape_basis(target)
   Eigen::MatrixX2d pixel;        ///< measured [px]
   Eigen::ArrayXd inverse_sigma;  ///< [1/px]

@@ -32,7 +32,7 @@ std::vector<Landmark> landmarks_from_csv_text(std::string_view text, const std::
                                               const std::optional<Geodetic>& origin,
                                               const std::optional<HeightDatum>& datum);
 
-/// Sightings: image, u, v, name.
+/// Sightings: image, u, v, name and, where there are several cameras, camera.
 ///
 /// @throws Error(kBadInput) `name:line: ...` for bad rows, and landmarks that are not surveyed
 std::vector<Sighting> sightings_from_csv_text(std::string_view text, const std::string& name,

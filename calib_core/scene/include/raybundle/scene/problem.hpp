@@ -9,6 +9,7 @@
 #include "raybundle/camera/camera.hpp"
 #include "raybundle/geometry/rigid3.hpp"
 #include "raybundle/scene/observation.hpp"
+#include "raybundle/scene/survey.hpp"
 #include "raybundle/scene/target.hpp"
 
 namespace raybundle {
@@ -57,6 +58,7 @@ struct CalibrationProblem {
   std::vector<TargetView> views;       ///< at most one for each camera, frame and target
   std::vector<ParameterRule> rules;
   std::optional<ProblemLaser> laser;  ///< without it no view has dots
+  std::optional<Survey> survey = {};  ///< landmarks that take part, in images of their own
 };
 
 /// Throws Error(kBadInput) naming the first view, camera or rule that breaks an invariant stated in these types:

@@ -60,7 +60,7 @@ struct CameraSummary {
   int corners_outlier = 0;
 };
 
-/// A camera's parameter without and with the dots in the solve.
+/// A camera's parameter without and with further measurements in the solve: a laser's dots, or landmarks.
 struct DraggedParameter {
   std::string name;
   double without = 0.0;
@@ -69,6 +69,10 @@ struct DraggedParameter {
 
   double moved_sigmas() const;  ///< 0 for a parameter that was not estimated
 };
+
+/// Largest move of a parameter, in its sigmas without the further measurements. More information moves an estimate by
+/// less than its sigma; beyond 4 they contradict the corners.
+double drag_sigmas(const std::vector<DraggedParameter>& parameters);
 
 /// How the dots of a laser fared, and what they did to the cameras.
 struct LaserSummary {
@@ -83,10 +87,12 @@ struct LaserSummary {
   std::string label_origin;     ///< what fixed the origin of the labels, in words
   bool origin_guessed = false;  ///< nothing did: all labels may be off by the same rows and columns
   std::vector<DraggedParameter> parameters;  ///< of the cameras, those that are free
+};
 
-  /// Largest move of a parameter, in its sigmas without the dots. More information moves an estimate by less than its
-  /// sigma; beyond 4 the dots contradict the corners.
-  double drag_sigmas() const;
+/// How the landmarks fared that took part in the bundle, and what they did to the cameras.
+struct SurveySummary {
+  std::vector<SurveyImage> images;  ///< those that were placed
+  std::vector<DraggedParameter> parameters;
 };
 
 enum class Termination { kConverged, kIterationLimit, kFailed };
@@ -104,9 +110,10 @@ struct CalibrationResult {
   std::vector<ViewResult> views;       ///< aligned with CalibrationProblem::views
   std::vector<CameraSummary> cameras;  ///< aligned with CalibrationProblem::cameras
   std::vector<SetAside> set_aside;
-  std::optional<LaserSummary> laser;  ///< of a problem with dots
-  double rms_px = 0.0;                ///< over all cameras
-  double variance_factor = 1.0;       ///< chi² per degree of freedom; the covariance has been multiplied by it
+  std::optional<LaserSummary> laser;    ///< of a problem with dots
+  std::optional<SurveySummary> survey;  ///< of a problem with landmarks
+  double rms_px = 0.0;                  ///< over all cameras
+  double variance_factor = 1.0;         ///< chi² per degree of freedom; the covariance has been multiplied by it
   Termination termination = Termination::kFailed;
   int iterations = 0;
   std::string gauge;  ///< what fixes the frame and the scale, in words

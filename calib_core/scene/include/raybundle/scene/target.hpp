@@ -8,10 +8,11 @@
 
 namespace raybundle {
 
-/// A point printed on a board.
+/// A point printed on a board, or a landmark.
 struct TargetPoint {
   int id = 0;
   Eigen::Vector3d x_in_target = Eigen::Vector3d::Zero();  ///< [m], on the ideal board
+  bool infinitely_far = false;  ///< a landmark of which only the direction counts: x_in_target
 };
 
 /// How a flat board is bent: at (x, y) in [-1, 1]² over the board its surface lies at

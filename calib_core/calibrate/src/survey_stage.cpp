@@ -1,0 +1,202 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "survey_stage.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "raybundle/calibrate/survey.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/uncertainty/corner_evidence.hpp"
+#include "subproblem.hpp"
+
+namespace raybundle {
+namespace {
+
+/// The rig as a calibration by which images can be placed.
+Calibration calibration_of(const CalibrationProblem& problem, const BundleState& state, const Covariance& known) {
+  Calibration calibration;
+  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
+    calibration.cameras.push_back(
+        {problem.cameras[c].name, state.cameras[c], state.camera_from_rig[c], corner_evidence(problem, state, c)});
+  }
+  calibration.covariance = known;
+  return calibration;
+}
+
+/// Every camera in every image, by itself: one that cannot be placed costs nobody else.
+std::vector<SurveyImage> place_images(const Calibration& calibration, const Survey& survey,
+                                      std::vector<std::string>& not_placed) {
+  std::map<std::pair<std::string, std::string>, Survey> parts;  // by image and camera
+  const bool one_camera = calibration.cameras.size() == 1;
+  for (const Sighting& sighting : survey.sightings) {
+    const std::string camera = sighting.camera.empty() && one_camera ? calibration.cameras[0].name : sighting.camera;
+    Survey& part = parts[{sighting.image, camera}];
+    part.landmarks = survey.landmarks;
+    part.sighting_sigma_px = survey.sighting_sigma_px;
+    part.sightings.push_back(sighting);
+  }
+  std::vector<SurveyImage> images;
+  for (auto& [place, part] : parts) {
+    const auto& [image, camera] = place;
+    const auto found = std::ranges::find(calibration.cameras, camera, &RigCamera::name);
+    if (found == calibration.cameras.end()) {
+      not_placed.push_back("the landmarks in " + image + " are left out: camera '" + camera + "' is not calibrated");
+      continue;
+    }
+    std::ranges::sort(part.sightings, {}, &Sighting::landmark);  // the bits do not depend on the order of the table
+    try {
+      images.push_back(check_survey(calibration, *found, part).front());
+    } catch (const Error& error) {
+      not_placed.push_back("the landmarks in " + image + " are left out: " + error.what());
+    }
+  }
+  return images;
+}
+
+std::map<std::string, int> sightings_of_landmark(const std::vector<SurveyImage>& images) {
+  std::map<std::string, int> count;
+  for (const SurveyImage& image : images) {
+    for (const LandmarkResidual& landmark : image.landmarks) count[landmark.landmark] += landmark.used;
+  }
+  return count;
+}
+
+/// The images of one moment as a frame, with the landmarks that they show as its target. The target's frame is the
+/// rig's as it was placed, which keeps the digits of landmarks kilometres from their origin.
+///
+/// @return  target_from_local
+Rigid3 add_frame(const std::vector<const SurveyImage*>& images, const Survey& survey,
+                 const std::map<std::string, int>& times_seen, CalibrationProblem& problem, BundleState& state) {
+  const auto camera_of = [&](const SurveyImage& image) {
+    const auto found = std::ranges::find(problem.cameras, image.camera, &ProblemCamera::name);
+    return static_cast<int>(found - problem.cameras.begin());
+  };
+  const SurveyImage& best = **std::ranges::max_element(images, {}, [](const SurveyImage* image) {
+    return std::ranges::count(image->landmarks, true, &LandmarkResidual::used);
+  });
+  const Rigid3 rig_from_local = state.camera_from_rig[camera_of(best)].inverse() * best.camera_from_local;
+
+  const int frame = static_cast<int>(problem.frames.size()), target_index = static_cast<int>(problem.targets.size());
+  problem.frames.push_back(best.image);
+  Target target{best.image, {}, {}};
+  for (std::size_t i = 0; i < survey.landmarks.size(); ++i) {
+    const Landmark& landmark = survey.landmarks[i];
+    const Eigen::Vector3d x = landmark.infinitely_far ? Eigen::Vector3d(rig_from_local.rotation * landmark.x_in_local)
+                                                      : rig_from_local * landmark.x_in_local;
+    target.points.push_back({static_cast<int>(i), x, landmark.infinitely_far});
+  }
+  for (const SurveyImage* image : images) {
+    TargetView view{camera_of(*image), frame, target_index, {}, image->image, {}};
+    for (const LandmarkResidual& seen : image->landmarks) {
+      const auto landmark = std::ranges::find(survey.landmarks, seen.landmark, &Landmark::name);
+      const double sighting_variance = std::pow(survey.sighting_sigma_px, 2);
+      const double of_landmark = std::pow(seen.own_sigma_px, 2) - sighting_variance;
+      const double variance = sighting_variance + std::max(1, times_seen.at(seen.landmark)) * of_landmark;
+      view.observations.push_back(
+          {static_cast<int>(landmark - survey.landmarks.begin()), seen.pixel, std::sqrt(variance)});
+    }
+    problem.views.push_back(std::move(view));
+    state.fates.emplace_back();  // what is far off as the lens is known now may fit when it is known better
+    state.pose_of_view.push_back(static_cast<int>(state.poses.size()));
+  }
+  state.poses.push_back({frame, target_index, Rigid3{}});
+  state.shapes.emplace_back();
+  problem.targets.push_back(std::move(target));
+  return rig_from_local;
+}
+
+/// Marks sightings that are off by more than the limit. False when no mark changed.
+bool mark_outliers(const CalibrationProblem& problem, std::size_t first_view, BundleState& state) {
+  constexpr double kOutlierSigmas = 4.0;
+  const std::vector<std::vector<ObservationFate>> before = state.fates;
+  for (std::size_t v = first_view; v < problem.views.size(); ++v) {
+    const std::vector<Eigen::Vector2d> residuals = view_residuals(problem, state, static_cast<int>(v));
+    for (std::size_t i = 0; i < residuals.size(); ++i) {
+      const double sigmas = residuals[i].norm() / problem.views[v].observations[i].sigma_px;
+      state.fates[v][i] = std::isnan(sigmas)         ? ObservationFate::kUnprojectable
+                          : sigmas <= kOutlierSigmas ? ObservationFate::kUsed
+                                                     : ObservationFate::kOutlier;
+    }
+  }
+  return state.fates != before;
+}
+
+/// First with a robust loss, then least squares while sightings come and go.
+BundleSummary solve_all(const CalibrationProblem& problem, std::size_t first_view, const CalibrateOptions& options,
+                        const BundleOptions& bundle, BundleState& state) {
+  constexpr int kMaxRounds = 8;
+  BundleOptions plain = bundle;
+  plain.threads = options.threads;
+  plain.max_iterations = options.max_iterations;
+  BundleOptions robust = plain;
+  robust.robust_scale_sigma = options.robust_scale_sigma;
+  BundleSummary summary = solve_bundle(problem, state, robust);
+  for (int round = 0; round < kMaxRounds && summary.termination != Termination::kFailed; ++round) {
+    if (!mark_outliers(problem, first_view, state) && round > 0) break;
+    summary = solve_bundle(problem, state, plain);
+  }
+  return summary;
+}
+
+}  // namespace
+
+SurveySolve solve_with_landmarks(const CalibrationProblem& problem, const BundleState& cameras, const Covariance& known,
+                                 double corner_scale, const CalibrateOptions& options, const BundleOptions& bundle) {
+  SurveySolve solve{problem, cameras, {}, {}, {}, {}};
+  const Survey& survey = *problem.survey;
+  solve.images = place_images(calibration_of(problem, cameras, known), survey, solve.not_placed);
+  if (solve.images.empty()) return solve;
+  scale_corners(solve.problem, corner_scale);
+  const std::map<std::string, int> times_seen = sightings_of_landmark(solve.images);
+  std::map<std::string, std::vector<const SurveyImage*>> moments;
+  for (const SurveyImage& image : solve.images) moments[image.image].push_back(&image);
+  for (const auto& [moment, images] : moments) {
+    solve.target_from_local.push_back(add_frame(images, survey, times_seen, solve.problem, solve.state));
+  }
+  mark_projectable(solve.problem, solve.state);
+  solve.summary = solve_all(solve.problem, problem.views.size(), options, bundle, solve.state);
+  if (solve.summary.termination == Termination::kFailed) {
+    throw Error(ErrorKind::kSolveFailed, "the bundle adjustment with the landmarks broke down: " +
+                                             solve.summary.message + "; calibrate without them to get the cameras");
+  }
+  return solve;
+}
+
+void fill_residuals(const CalibrationProblem& problem, const BundleState& state,
+                    const std::vector<Rigid3>& target_from_local, std::vector<SurveyImage>& images) {
+  const std::size_t first_target = problem.targets.size() - target_from_local.size();
+  for (SurveyImage& image : images) {
+    const auto view = std::ranges::find_if(problem.views, [&](const TargetView& other) {
+      return other.target >= static_cast<int>(first_target) && other.image == image.image &&
+             problem.cameras[other.camera].name == image.camera;
+    });
+    const int index = static_cast<int>(view - problem.views.begin());
+    const Rigid3 moved = camera_from_target(problem, state, index);
+    const std::vector<Eigen::Vector2d> residuals = view_residuals(problem, state, index);
+    image.camera_from_local = moved * target_from_local[view->target - first_target];
+    for (std::size_t i = 0; i < residuals.size(); ++i) {
+      LandmarkResidual& landmark = image.landmarks[i];
+      const TargetPoint& point = *problem.targets[view->target].find(view->observations[i].point_id);
+      landmark.residual_px = residuals[i];
+      landmark.used = state.fates[index][i] == ObservationFate::kUsed;
+      landmark.sigma_px = landmark.own_sigma_px;
+      landmark.sigmas = residuals[i].norm() / landmark.sigma_px;
+      if (!point.infinitely_far) landmark.range_m = (moved * point.x_in_target).norm();
+    }
+    sum_up(image);
+  }
+}
+
+void leave_out_landmarks(std::size_t targets, CalibrationProblem& problem, BundleState& state) {
+  problem.targets.resize(problem.targets.size() - targets);
+  problem.frames.resize(problem.frames.size() - targets);
+  std::erase_if(problem.views, [&](const TargetView& v) { return v.target >= std::ssize(problem.targets); });
+  state.shapes.resize(problem.targets.size());
+  state.fates.resize(problem.views.size());
+  state.pose_of_view.resize(problem.views.size());
+  if (!state.dot_fates.empty()) state.dot_fates.resize(problem.views.size());
+}
+
+}  // namespace raybundle
