@@ -44,6 +44,19 @@ void mount(CabinSensor& sensor, const Mounting& mounting, Random& random) {
   sensor.known_vehicle_from_rig = jittered(sensor.vehicle_from_rig, kKnownSigma_m, kKnownTurnSigma_rad, random);
 }
 
+// The consoles of several cars of one maker.
+Mounting in_some_car(Mounting mounting, Random& random) {
+  constexpr double kPlace_m = 0.02, kAim_m = 0.03, kRoll_rad = 3 * kRadian;
+  const auto within = [&](double most) {
+    const double x = random.uniform(-most, most), y = random.uniform(-most, most), z = random.uniform(-most, most);
+    return Eigen::Vector3d(x, y, z);
+  };
+  mounting.position += within(kPlace_m);
+  mounting.aim += within(kAim_m);
+  mounting.roll_rad += random.uniform(-kRoll_rad, kRoll_rad);
+  return mounting;
+}
+
 // A lens of the Kannala-Brandt model; no two are alike.
 SimulatedCamera camera_of(const char* name, const ImageSize& size, double focal_px, double half_angle_rad,
                           Random& random) {
@@ -89,7 +102,7 @@ CabinSensor structured_light_sensor(CockpitGenerator generator, std::uint64_t se
   emitter.rig_from_emitter = jittered(beside, 0.0005, 0.8 * kRadian, random);
   sensor.rig.emitter = emitter;
   mount(sensor,
-        training ? Mounting{{0.46, 0.34, 0.88}, {0.13, 0.00, 0.24}, 0.0}
+        training ? in_some_car({{0.46, 0.34, 0.88}, {0.13, 0.00, 0.24}, 0.0}, random)
                  : Mounting{{0.48, 0.31, 0.90}, {0.16, -0.02, 0.22}, 4 * kRadian},
         random);
   return sensor;
@@ -112,7 +125,7 @@ CabinSensor stereo_sensor(CockpitGenerator generator, std::uint64_t seed, const 
   sensor.automatic_exposure = true;
   sensor.illuminator_W_m2 = training ? 6.0 : 7.0;
   mount(sensor,
-        training ? Mounting{{0.46, 0.33, 0.87}, {0.14, 0.00, 0.22}, 0.0}
+        training ? in_some_car({{0.46, 0.33, 0.87}, {0.14, 0.00, 0.22}, 0.0}, random)
                  : Mounting{{0.49, 0.30, 0.88}, {0.17, -0.01, 0.21}, 4 * kRadian},
         random);
   return sensor;

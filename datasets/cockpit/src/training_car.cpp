@@ -63,11 +63,11 @@ CabinMaterial cloth(Random& random, double low_albedo, double high_albedo) {
 }
 
 void add_seat(const SeatSetting& seat, Random& random, Meshes& meshes) {
-  const CabinMaterial cover = cloth(random, 0.15, 0.5);
+  const CabinMaterial cover = cloth(random, 0.10, 0.6);
   const SeatAxes axes = axes_of(seat);
-  const double half_width = random.uniform(0.24, 0.265), bolster = random.uniform(0.025, 0.05);
-  const Pad cushion{random.uniform(0.48, 0.53), half_width, bolster, 0.16};
-  const Pad back{random.uniform(0.60, 0.66), half_width - 0.015, bolster + 0.01, 0.10};
+  const double half_width = random.uniform(0.23, 0.275), bolster = random.uniform(0.012, 0.06);
+  const Pad cushion{random.uniform(0.45, 0.54), half_width, bolster, 0.16};
+  const Pad back{random.uniform(0.58, 0.68), half_width - 0.015, bolster + 0.01, 0.10};
   meshes.push_back(on_seat(pad_mesh(cushion), axes.bight, axes.cushion_forward, axes.cushion_normal, cover));
   meshes.push_back(on_seat(pad_mesh(back), axes.bight, axes.back_up, axes.back_normal, cover));
   // Its back side, and the headrest on two posts.
@@ -77,9 +77,9 @@ void add_seat(const SeatSetting& seat, Random& random, Meshes& meshes) {
   };
   meshes.push_back(placed(rounded_box({0.04, half_width - 0.03, 0.33}, 0.3),
                           {reclined.rotation, on_back(0.28, 0, -0.10)}, CabinPart::kSeat, cover));
-  const double head = back.length_m + random.uniform(0.09, 0.14);
+  const double head = back.length_m + random.uniform(0.06, 0.17);
   meshes.push_back(
-      placed(rounded_box({random.uniform(0.04, 0.055), random.uniform(0.11, 0.14), random.uniform(0.07, 0.095)}, 0.5),
+      placed(rounded_box({random.uniform(0.035, 0.065), random.uniform(0.10, 0.15), random.uniform(0.06, 0.11)}, 0.5),
              {reclined.rotation, on_back(head, 0, 0.0)}, CabinPart::kSeat, cover));
   CabinMaterial steel = cover;
   steel.albedo = 0.5;

@@ -7,17 +7,16 @@ namespace {
 
 CabinLayout layout(Random& random) {
   CabinLayout layout;
-  layout.dashboard_x_m = random.uniform(0.68, 0.74);
-  layout.dashboard_top_m = random.uniform(0.43, 0.49);
+  layout.dashboard_x_m = random.uniform(0.66, 0.76);
+  layout.dashboard_top_m = random.uniform(0.42, 0.50);
   return layout;
 }
 
 SeatSetting seat_setting(const CabinLayout& layout, Random& random) {
   const Eigen::Vector3d h_point(random.uniform(-layout.track_m, layout.track_m), 0,
                                 random.uniform(-layout.lift_m, layout.lift_m));
-  const double recline = layout.least_recline_rad + (layout.most_recline_rad - layout.least_recline_rad) *
-                                                        random.uniform() * random.uniform(0.5, 1);
-  return seat_setting_of(h_point, recline, random.uniform(0.19, 0.25), 0.095, 0.13);
+  const double recline = random.uniform(layout.least_recline_rad, layout.most_recline_rad);
+  return seat_setting_of(h_point, recline, random.uniform(0.16, 0.26), 0.095, 0.13);
 }
 
 }  // namespace

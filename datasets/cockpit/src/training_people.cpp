@@ -140,11 +140,11 @@ Person person(Age age, Random& random) {
                  .contrast = 0.4,
                  .grain_m = 0.006,
                  .seed = static_cast<std::uint32_t>(random.below(1 << 30))};
-  person.shirt = cloth(random, 0.15, 0.75);
-  person.trousers = cloth(random, 0.10, 0.60);
+  person.shirt = cloth(random, 0.10, 0.85);
+  person.trousers = cloth(random, 0.08, 0.70);
   person.shoes = cloth(random, 0.08, 0.5);
   person.cap = random.chance(0.12);
-  person.clothes_m = random.uniform(0.004, 0.022) * std::min(1.0, stature / 1.4);
+  person.clothes_m = random.uniform(0.004, random.chance(0.2) ? 0.035 : 0.022) * std::min(1.0, stature / 1.4);  // coats
   return person;
 }
 
@@ -155,18 +155,29 @@ Posture posture(const BodySize& size, Sitting sitting, const SeatSetting& seat, 
   Posture p;
   p.hips = seat.h_point + Eigen::Vector3d(random.uniform(-0.01, 0.04) + 0.7 * std::max(0.0, size.waist_depth - 0.13),
                                           random.uniform(-0.03, 0.03), 0);
-  p.hips.z() += 0.6 * std::max(0.0, size.pelvis_depth - 0.115);    // and thicker ones higher
-  if (!long_legs) p.hips.z() -= 0.5 * (0.11 - size.pelvis_depth);  // thinner bodies sit lower
-  p.pelvis_recline_rad = seat.recline_rad + random.uniform(0.05, 0.20);
+  p.hips.z() += 0.6 * std::max(0.0, size.pelvis_depth - 0.115);                 // and thicker ones higher
+  if (!long_legs) p.hips.z() -= 0.5 * (0.11 - size.pelvis_depth);               // thinner bodies sit lower
+  const double slouch = random.chance(0.35) ? random.uniform(0.0, 0.12) : 0.0;  // hips slid to the front
+  p.hips.x() += slouch;
+  p.pelvis_recline_rad = seat.recline_rad + random.uniform(0.05, 0.20) + 2.5 * slouch;
   p.chest_recline_rad = seat.recline_rad - random.uniform(0.05, 0.22);
-  p.lean_left_rad = 0.05 * random.normal();
-  p.turn_left_rad = 0.06 * random.normal();
-  p.head_pitch_rad = random.uniform(-0.1, 0.35);
-  p.head_turn_left_rad = 0.3 * random.normal();
+  p.lean_left_rad = random.chance(0.3) ? random.uniform(-0.22, 0.22) : 0.05 * random.normal();
+  p.turn_left_rad = 0.08 * random.normal();
+  p.head_pitch_rad = random.uniform(-0.15, 0.5);
+  p.head_turn_left_rad = 0.4 * random.normal();
+  // Hands rest on the thighs, meet on the belly, hold something before the chest, or lie beside the legs.
+  const int pastime = random.below(5);
+  const double ahead = pastime < 2    ? random.uniform(0.16, 0.32)
+                       : pastime == 4 ? random.uniform(0.0, 0.15)
+                                      : random.uniform(0.12, 0.35);
+  const double above = pastime < 3 ? random.uniform(0.07, 0.16) : pastime == 3 ? random.uniform(0.15, 0.40) : 0.03;
+  const double apart = pastime == 4 ? random.uniform(0.20, 0.30) : random.uniform(0.0, 0.16);
   for (int side = 0; side < 2; ++side) {
     const double left = side == 0 ? 1 : -1;
-    p.hands[side] = p.hips + Eigen::Vector3d(random.uniform(0.16, 0.32), left * random.uniform(0.03, 0.16),
-                                             size.thigh_radius + random.uniform(0.07, 0.14));
+    p.hands[side] =
+        p.hips + Eigen::Vector3d((ahead + random.uniform(-0.04, 0.04)) * size.stature / 1.75,
+                                 left * (apart + random.uniform(-0.02, 0.03)),
+                                 size.thigh_radius + (above + random.uniform(-0.02, 0.02)) * size.stature / 1.75);
     p.feet[side] =
         long_legs
             ? Eigen::Vector3d(std::min(dash + 0.12, p.hips.x() + 0.395 * size.stature) + random.uniform(-0.08, 0.04),
