@@ -6,6 +6,12 @@
 #include <cmath>
 
 namespace raybundle {
+namespace {
+
+// Log-odds of a dot within the sensor's depths against one out of them: they are chosen to hold nine dots in ten.
+constexpr double kWithinDepths = 2.2;
+
+}  // namespace
 
 BeamSet::BeamSet(const SensorTable& table_) : table(table_) {
   beams.reserve(table.beams.size());
@@ -39,7 +45,7 @@ void Candidates::find(const BeamSet& set, std::span<const Dot> dots) {
       const double per_px2 = gradient.squaredNorm();
       if (!(off * off <= range.tolerance_px * range.tolerance_px * per_px2)) continue;  // NaN: there is no ray
       const BeamPoint point = beam_point(beam, ray.direction);
-      if (!(point.x.z() >= range.nearest_m)) continue;
+      if (!(point.x.z() >= range.explained_from_m())) continue;
       const double variance =
           gradient.dot(dot.covariance_px2 * gradient) + beam.off_plane_variance(point.along_m, point.inverse_distance);
       if (off * off > kGateSigmas * kGateSigmas * variance) continue;
@@ -49,9 +55,10 @@ void Candidates::find(const BeamSet& set, std::span<const Dot> dots) {
       }
       const double off_sigmas = off / std::sqrt(variance);
       const double density = range.tolerance_px * std::sqrt(per_px2 / variance * 2.0 / M_PI);  // at the curve
+      const bool within = point.x.z() >= range.nearest_m && point.x.z() <= range.farthest_m;
       candidates_.push_back({static_cast<int>(rays_.size()), b, point.inverse_distance, off_sigmas,
-                             std::log(density) - 0.5 * off_sigmas * off_sigmas,
-                             point.x.z() <= range.farthest_m && set.table.beams[b].measured});
+                             std::log(density) - 0.5 * off_sigmas * off_sigmas - (within ? 0.0 : kWithinDepths),
+                             within && set.table.beams[b].measured});
     }
     rays_.push_back(ray);
     first_.push_back(static_cast<int>(candidates_.size()));

@@ -22,9 +22,8 @@ double mean_support(const LabelTask& task, const LabelWork& work, const Candidat
     for (int k = work.first_of_beam[beam]; k < work.first_of_beam[beam + 1]; ++k) {
       const Candidate& other = all[work.of_beam[k]];
       if (other.dot == candidate.dot) continue;
-      const double difference = std::abs(other.inverse_distance - candidate.inverse_distance);
       const double order = in_order(task, candidate, other) ? 0.0 : -kMostSupport;
-      support += work.weight[work.of_beam[k]] * (smoothness(difference, task.range) + order);
+      support += work.weight[work.of_beam[k]] * (smoothness(task, candidate, other) + order);
     }
   }
   return std::clamp(support, -2.0 * kMostSupport, 2.0 * kMostSupport);

@@ -11,6 +11,7 @@ namespace raybundle {
 namespace {
 
 constexpr int kMostSteps = 20000;  // of the search in one group
+constexpr int kMostRounds = 8;
 constexpr double kNone = -std::numeric_limits<double>::infinity();
 
 int root(std::vector<int>& group, int dot) {
@@ -135,30 +136,46 @@ int agreed(const LabelTask& task, const LabelWork& work, int dot, double reach) 
   return others ? -1 : found;
 }
 
+void weigh(const LabelTask& task, LabelWork& work, const SetValue& value) {
+  const auto all = task.candidates.all();
+  work.weight.resize(all.size());
+  for (std::size_t c = 0; c < all.size(); ++c) {
+    work.weight[c] = value.of_label + (value.of_weight > 0.0 ? value.of_weight * weight_of(task, work, all[c]) : 0.0);
+  }
+}
+
+// Searches each group and chooses what its best sets agree on; whether there was anything.
+bool choose_agreed(const LabelTask& task, LabelWork& work, double sure_by) {
+  work.next_weight.resize(task.candidates.all().size());
+  work.no_beam.resize(task.candidates.dots());
+  bool any = false;
+  for (std::size_t begin = 0, end = 0; begin < work.member.size(); begin = end) {
+    while (end < work.member.size() && work.group[work.member[end]] == work.group[work.member[begin]]) ++end;
+    const std::span<const int> dots = std::span(work.member).subspan(begin, end - begin);
+    GroupSearch search(task, work, dots, sure_by);
+    if (!search.run()) continue;
+    const double reach = search.best() - sure_by;
+    for (const int dot : dots) {
+      const int c = agreed(task, work, dot, reach);
+      if (c < 0) continue;
+      choose(task, work, c);
+      any = true;
+    }
+  }
+  return any;
+}
+
 }  // namespace
 
 void choose_best_sets(const LabelTask& task, LabelWork& work, const SetValue& value) {
   begin(task, work);
   index_by_beam(task, work);
   choose_unrivalled(task, work);
-  rule_out(task, work);
-  const auto all = task.candidates.all();
-  work.weight.resize(all.size());
-  work.next_weight.resize(all.size());
-  work.no_beam.resize(task.candidates.dots());
-  for (std::size_t c = 0; c < all.size(); ++c) {
-    work.weight[c] = value.of_label + (value.of_weight > 0.0 ? value.of_weight * weight_of(task, work, all[c]) : 0.0);
-  }
-  link_dots(task, work);
-  for (std::size_t begin = 0, end = 0; begin < work.member.size(); begin = end) {
-    while (end < work.member.size() && work.group[work.member[end]] == work.group[work.member[begin]]) ++end;
-    const std::span<const int> dots = std::span(work.member).subspan(begin, end - begin);
-    GroupSearch search(task, work, dots, value.sure_by);
-    if (!search.run()) continue;
-    const double reach = search.best() - value.sure_by;
-    for (const int dot : dots) {
-      if (const int c = agreed(task, work, dot, reach); c >= 0) choose(task, work, c);
-    }
+  for (int round = 0; round < kMostRounds; ++round) {
+    rule_out(task, work);
+    weigh(task, work, value);
+    link_dots(task, work);
+    if (!choose_agreed(task, work, value.sure_by)) break;
   }
   withdraw_doubtful(task, work);
 }
@@ -168,8 +185,7 @@ void maximal_cliques(const LabelTask& task, LabelWork& work) {
 }
 
 void maximum_set(const LabelTask& task, LabelWork& work) {
-  // Beams make a hundred times as many dots near their curves as anything else does.
-  choose_best_sets(task, work, {.of_label = 4.6, .of_weight = 1.0, .sure_by = kSureBy});
+  choose_best_sets(task, work, {.of_label = kBeamOverClutter, .of_weight = 1.0, .sure_by = kSureBy});
 }
 
 }  // namespace raybundle

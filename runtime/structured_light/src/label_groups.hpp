@@ -15,7 +15,8 @@ struct SetValue {
 
 /// The trustworthy labels, then, for every group of the other dots that are linked by common beams, the set of labels
 /// of the greatest value: exact, by branch and bound over the dots. The compatibilities of labels are many, but their
-/// exclusions few, so that groups are small; one whose search does not end within bounds stays unlabelled.
+/// exclusions few, so that groups are small; one whose search does not end within bounds stays unlabelled. Again, as
+/// long as what the best sets agree on rules out candidates of the rest and bears out others.
 void choose_best_sets(const LabelTask& task, LabelWork& work, const SetValue& value);
 
 }  // namespace raybundle

@@ -9,10 +9,9 @@
 namespace raybundle {
 namespace {
 
-constexpr double kSpread = 0.25;            // [1/m] of the inverse distances of neighbouring dots on one surface
+constexpr double kSlope = 1.0;              // of surfaces across the line of sight: 45 degrees
 constexpr double kEdgeShare = 0.1;          // of neighbouring dots that lie on different surfaces
 constexpr std::size_t kMostSupporters = 3;  // neighbours that are not on one surface say little more
-constexpr double kFarOff_sigmas = 2.5;      // from the curve: one in eighty true dots
 
 // The next label on one side along a row or column; -1 when there is none.
 int next_label(const LabelTask& task, const LabelWork& work, int beam, int row_step, int column_step) {
@@ -36,26 +35,30 @@ bool breaks_order(const LabelTask& task, const LabelWork& work, const Candidate&
 
 }  // namespace
 
-double smoothness(double difference, const SensorRange& range) {
-  const double width = 1.0 / range.nearest_m - 1.0 / range.farthest_m;
-  const double on_one = std::exp(-difference / kSpread) * width / (2.0 * kSpread);
+double smoothness(const LabelTask& task, const Candidate& a, const Candidate& b) {
+  const SensorRange& range = task.range;
+  const double farthest = 1.0 / range.farthest_m, width = 1.0 / range.nearest_m - farthest;
+  // A surface that slopes changes its inverse distance, from beam to beam, by slope times angle times itself.
+  const double angle = (task.lattice.direction[a.beam] - task.lattice.direction[b.beam]).norm();
+  const double spread = kSlope * angle * std::max(farthest, 0.5 * (a.inverse_distance + b.inverse_distance));
+  const double difference = std::abs(a.inverse_distance - b.inverse_distance);
+  const double on_one = std::exp(-difference / spread) * width / (2.0 * spread);
   return std::log((1.0 - kEdgeShare) * on_one + kEdgeShare);
 }
 
 double support_by_neighbours(const LabelTask& task, const LabelWork& work, const Candidate& candidate) {
-  std::array<double, kMostSupporters> best{};  // the least differences of inverse distances, ascending
-  best.fill(std::numeric_limits<double>::infinity());
+  std::array<double, kMostSupporters> best{};  // descending
+  best.fill(-std::numeric_limits<double>::infinity());
   for (const int beam : task.lattice.around[candidate.beam]) {
     if (beam < 0 || work.dot_of_beam[beam] < 0 || work.dot_of_beam[beam] == candidate.dot) continue;
-    const Candidate& other = task.candidates.all()[work.chosen[work.dot_of_beam[beam]]];
-    double difference = std::abs(other.inverse_distance - candidate.inverse_distance);
-    for (double& least : best) {
-      if (difference < least) std::swap(difference, least);
+    double of_pair = smoothness(task, candidate, task.candidates.all()[work.chosen[work.dot_of_beam[beam]]]);
+    for (double& most : best) {
+      if (of_pair > most) std::swap(of_pair, most);
     }
   }
   double support = 0.0;
-  for (const double difference : best) {
-    if (std::isfinite(difference)) support += smoothness(difference, task.range);
+  for (const double of_pair : best) {
+    if (std::isfinite(of_pair)) support += of_pair;
   }
   return support;
 }
@@ -127,12 +130,10 @@ void withdraw_doubtful(const LabelTask& task, LabelWork& work) {
   for (int dot = 0; dot < task.candidates.dots(); ++dot) {
     if (work.chosen[dot] < 0) continue;
     const Candidate& label = task.candidates.all()[work.chosen[dot]];
-    if (!label.measures) {
-      work.doubtful.push_back(dot);
-      continue;
-    }
-    if (support_by_neighbours(task, work, label) > 0.0) continue;
-    if (std::abs(label.off_sigmas) > kFarOff_sigmas || breaks_order(task, work, label)) work.doubtful.push_back(dot);
+    const double support = support_by_neighbours(task, work, label);
+    const bool by_chance = kBeamOverClutter + label.log_odds + support < 0.0;
+    const bool out_of_order = support <= 0.0 && breaks_order(task, work, label);
+    if (!label.measures || by_chance || out_of_order) work.doubtful.push_back(dot);
   }
   for (const int dot : work.doubtful) withdraw(task, work, dot);
 }

@@ -6,9 +6,9 @@
 
 namespace raybundle {
 
-/// Log-odds that neighbouring beams hit at inverse distances of this difference [1/m] because they hit one surface,
-/// against by chance.
-double smoothness(double difference, const SensorRange& range);
+/// Log-odds that two candidates of neighbouring beams are where they are because the beams hit one surface, against by
+/// chance.
+double smoothness(const LabelTask& task, const Candidate& a, const Candidate& b);
 
 /// The smoothness of a candidate beside the labels of its beam's neighbours, summed over the three that fit best; 0
 /// when none has a label.
@@ -36,6 +36,10 @@ void choose_unrivalled(const LabelTask& task, LabelWork& work);
 
 /// Ends the life of candidates of unlabelled dots that a label excludes: of the same beam, or out of order with it.
 void rule_out(const LabelTask& task, LabelWork& work);
+
+/// Log-odds of a dot near a beam's curve, before it is looked at: beams make a hundred times as many dots there as
+/// anything else does.
+inline constexpr double kBeamOverClutter = 4.6;
 
 /// By how much [log-odds] a label must outdo every rival: one error in a thousand doubtful cases.
 inline constexpr double kSureBy = 7.0;

@@ -109,7 +109,7 @@ SensorTable sensor_table(const Calibration& calibration, const std::string& came
   std::vector<std::vector<CurvePoint>> curves, endless;
   for (const TableBeam& beam : table.beams) {
     curves.push_back(beam_curve(camera.camera, beam.line, range, kCurveStep_px));
-    endless.push_back(beam_curve(camera.camera, beam.line, {range.nearest_m, kFarAway_m}, kCurveStep_px));
+    endless.push_back(beam_curve(camera.camera, beam.line, {range.explained_from_m(), kFarAway_m}, kCurveStep_px));
   }
   table.candidates = candidate_lists(camera.camera.size, endless, range.tolerance_px + table.drift_px + kCurveStep_px);
   std::size_t seen = 0;

@@ -55,6 +55,24 @@ TEST(Labels, AreNotGuessedWhereBeamsShareTheirEpipolarPlanes) {
   EXPECT_LE(count.wrong, 0.01 * (count.right + count.wrong));
 }
 
+TEST(Labels, AreNotGivenToDotsThatAreNearerThanTheSensorMeasures) {
+  const SensorWorld world = sensor_world({16, 19}, 13.0);
+  const SensorTable table = sensor_table(world.calibration, "", {}, "a test");
+  StructuredLight sensor(table);
+  for (const double depth_m : {0.08, 0.1, 0.13}) {
+    std::vector<Dot> dots;
+    for (const TableBeam& beam : table.beams) {
+      const Line3& line = beam.line;
+      const auto pixel = pixel_from_ray(world.camera.camera, line.at((depth_m - line.point.z()) / line.direction.z()));
+      if (pixel && (pixel->array() > 0.0).all() && pixel->x() < 639.0 && pixel->y() < 479.0) {
+        dots.push_back({*pixel, 0.01 * Eigen::Matrix2d::Identity(), kUnlabelled, 0.0});
+      }
+    }
+    ASSERT_GT(dots.size(), 100u);
+    EXPECT_TRUE(sensor.process(dots).points.empty()) << depth_m;
+  }
+}
+
 TEST(LaserPoint, LiesOnItsBeamAndScattersAsItsCovarianceSays) {
   const SensorWorld world = sensor_world({11, 11}, 12.0, 2e-4);
   const SensorTable table = sensor_table(world.calibration, "", {}, "a test");

@@ -10,14 +10,14 @@
 
 namespace raybundle {
 
-/// A beam that may have made a dot: the dot lies on the beam's curve, not nearer than the nearest depth. Beyond the
-/// farthest depth, or of a beam that is foreseen only, it explains the dot as well as others do, but is no measurement.
+/// A beam that may have made a dot: the dot lies on the beam's curve, not nearer than what is explained. Out of the
+/// sensor's depths, or of a beam that is foreseen only, it explains the dot as others do, but is no measurement.
 struct Candidate {
   int dot = 0;
   int beam = 0;                   ///< index into SensorTable::beams
   double inverse_distance = 0.0;  ///< from the camera's centre [1/m]
   double off_sigmas = 0.0;        ///< distance of the dot from the curve over its standard deviation, of dot and beam
-  double log_odds = 0.0;          ///< by that distance: a dot of the beam against one anywhere within the tolerance
+  double log_odds = 0.0;  ///< by distance and depth: a dot of the beam against one anywhere within the tolerance
   bool measures = true;
 };
 

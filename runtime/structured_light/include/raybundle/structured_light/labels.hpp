@@ -73,8 +73,8 @@ inline constexpr std::array kLabellers{
 /// other as the beams do. Always true for beams of different rows and columns.
 bool in_order(const LabelTask& task, const Candidate& a, const Candidate& b);
 
-/// Takes back the labels that no neighbour bears out and that something else speaks against, and those beyond the
-/// depths. What every labeller ends with.
+/// Takes back the labels that are likelier by chance than of their beam, those out of order that no neighbour bears
+/// out, and those that measure nothing. What every labeller ends with.
 void withdraw_doubtful(const LabelTask& task, LabelWork& work);
 
 }  // namespace raybundle

@@ -19,6 +19,9 @@ struct SensorRange {
   double nearest_m = 0.15;  ///< depth, along z of the camera
   double farthest_m = 1.5;
   double tolerance_px = 1.0;
+
+  /// Depth from which dots are explained [m]: what comes too near is told from what is measured, not taken for it.
+  double explained_from_m() const { return 0.5 * nearest_m; }
 };
 
 /// A beam as the device knows it. Its covariance is that of the motion of perturbed(line, .). Beams that the
@@ -33,7 +36,8 @@ struct TableBeam {
   Eigen::Vector4d per_wavelength = Eigen::Vector4d::Zero();  ///< motion for each unit of ln(wavelength); 0: not known
 };
 
-/// The beams that can be seen in a square cell of the image: from the nearest depth on, within tolerance and drift.
+/// The beams that can be seen in a square cell of the image: from the depth on that is explained, within tolerance and
+/// drift.
 struct CandidateLists {
   int cell_px = 16;
   int columns = 0;  ///< of cells
