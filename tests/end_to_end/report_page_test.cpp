@@ -145,8 +145,8 @@ TEST_F(ReportPageInBrowser, ShowsLaserBeams) {
   EXPECT_THAT(browser->errors, IsEmpty());
 }
 
-// 500 views of 140 corners: below 10 MB, and shown after a second or two; here with patience for a busy machine.
-TEST_F(ReportPageInBrowser, OpensLargeReportsAtOnce) {
+// 500 views of 140 corners make a page below 10 MB, which is drawn; `./dev bench report` tells how fast.
+TEST_F(ReportPageInBrowser, OpensLargeReports) {
   SyntheticOptions options;
   options.frames = 500;
   options.columns = 14;
@@ -157,9 +157,6 @@ TEST_F(ReportPageInBrowser, OpensLargeReportsAtOnce) {
   const CalibrationResult result = calibrate(problem);
   open(text_from_report(problem, result));
   EXPECT_LT(fs::file_size(folder / "report.html"), 10e6);
-  const double seconds = browser->evaluate("performance.getEntriesByType('navigation')[0].loadEventEnd / 1000");
-  RecordProperty("seconds_to_open", std::to_string(seconds));
-  EXPECT_LT(seconds, 10.0);
 }
 
 // Looks at the page as people with other screens see it; the pictures stay beside the page for a person to look at.
