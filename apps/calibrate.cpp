@@ -34,6 +34,7 @@ void declare(CLI::App& verb, CalibrateFlags& flags) {
       ->type_name("NAME=MEAN:SIGMA")
       ->allow_extra_args(false);
   verb.add_flag("!--no-predicted-corners", job.predict_corners, "leave out corners that only a first solve predicts");
+  add_survey_flags(verb, false, job.survey);
   add_gate_flags(verb, job.gates);
   verb.add_flag("--cross-validate", job.checks.cross_validate,
                 "solve the odd and the even frames apart and compare them; a model that does not fit shows");

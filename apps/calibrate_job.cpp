@@ -21,6 +21,7 @@
 #include "raybundle/io/hash.hpp"
 #include "raybundle/io/report_file.hpp"
 #include "report_page.hpp"
+#include "survey_text.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 
@@ -79,7 +80,8 @@ CalibrationResult calibrate_explained(const CalibrationProblem& problem, const C
   throw Error(error.kind(), message);
 }
 
-Provenance provenance_of(const CalibrateJob& job, const CalibrateOptions& options, const DetectedImages& images) {
+Provenance provenance_of(const CalibrateJob& job, const std::optional<SurveyInput>& survey,
+                         const CalibrateOptions& options, const DetectedImages& images) {
   Provenance provenance;
   provenance.command = job.command;
   provenance.versions = {{"raybundle", RAYBUNDLE_VERSION}};
@@ -90,6 +92,11 @@ Provenance provenance_of(const CalibrateJob& job, const CalibrateOptions& option
   if (!job.input.dataset.empty()) provenance.inputs.push_back({job.input.dataset, sha256_of_file(job.input.dataset)});
   if (!job.input.observations.empty()) {
     provenance.inputs.push_back({job.input.observations, sha256_of_file(job.input.observations)});
+  }
+  if (survey) {
+    for (const std::string& path : {survey->landmarks, survey->sightings}) {
+      provenance.inputs.push_back({path, sha256_of_file(path)});
+    }
   }
   for (const auto* files : {&images.files, &images.laser_files}) {
     for (const ImageFile& file : *files) provenance.inputs.push_back({file.path, sha256_of_file(file.path)});
@@ -182,6 +189,8 @@ void run_calibration(const CalibrateJob& job) {
   problem.rules.insert(problem.rules.end(), job.rules.begin(), job.rules.end());
   require_values(problem.rules, job.start);
   if (!job.start.empty()) take_start(job.start, problem);
+  const std::optional<SurveyInput> survey = job.survey.landmarks.empty() ? dataset.survey : job.survey;
+  if (survey) problem.survey = read_survey(*survey);
 
   const CalibrationResult first = calibrate_explained(problem, options, images);
   CalibrationResult result = first;
@@ -201,8 +210,9 @@ void run_calibration(const CalibrateJob& job) {
   if (!checked.sections.empty()) result.stages.push_back({"check", now() - check_begin});
   const double judge_begin = now();
   const Judgements judgements = judge(problem, result, requirements);
-  ReportExtra extra{images.unused, provenance_of(job, options, images), sections_of(judgements, result)};
+  ReportExtra extra{images.unused, provenance_of(job, survey, options, images), sections_of(judgements, result)};
   extra.sections.push_back(pictures_section(problem, result));
+  if (result.survey) extra.sections.push_back({"survey", json_from_survey(*result.survey).dump()});
   std::ranges::copy(checked.sections, std::back_inserter(extra.sections));
   result.stages.push_back({"judge", now() - judge_begin});
   const std::string report = write_all(job, problem, result, extra);

@@ -9,6 +9,7 @@
 #include "gates.hpp"
 #include "input_flags.hpp"
 #include "raybundle/scene/result.hpp"
+#include "survey_input.hpp"
 
 namespace raybundle::apps {
 
@@ -20,6 +21,7 @@ struct CalibrateJob {
   std::vector<ParameterRule> rules;
   std::string start;  ///< a calibration.json whose values the cameras of the same names start from
   bool predict_corners = true;
+  SurveyInput survey;  ///< landmarks for the bundle; without paths, those of the dataset
   GateFlags gates;
   ExtraChecks checks;
   std::string output = "calibration";  ///< folder

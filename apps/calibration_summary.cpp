@@ -10,6 +10,7 @@
 
 #include "raybundle/camera/camera.hpp"
 #include "raybundle/geometry/quantile.hpp"
+#include "survey_text.hpp"
 #include "terminal.hpp"
 
 namespace raybundle::apps {
@@ -151,6 +152,7 @@ std::string summary_text(const CalibrationProblem& problem, const CalibrationRes
                          const std::vector<UnusedImage>& unused) {
   std::string text = camera_table(problem, result) + rig_lines(result) + link_line(problem, result) +
                      shape_lines(result) + laser_lines(result);
+  if (result.survey) text += "surveyed landmarks:\n" + survey_lines(result.survey->images);
   std::vector<std::string> views, ties;
   for (const SetAside& entry : result.set_aside) {
     const TargetView& view = problem.views[entry.view];

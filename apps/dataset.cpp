@@ -3,7 +3,6 @@
 #include "dataset.hpp"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <cmath>
 #include <cstdio>
@@ -14,84 +13,10 @@
 #include "raybundle/scene/csv.hpp"
 #include "raybundle/scene/suggestion.hpp"
 #include "raybundle/targets/board_toml.hpp"
+#include "table_reader.hpp"
 
 namespace raybundle::apps {
 namespace {
-
-// Reads one table and remembers which keys it knows, so that the others can be refused.
-class TableReader {
- public:
-  TableReader(const toml::table& table, std::string name, std::string file)
-      : table_(table), name_(std::move(name)), file_(std::move(file)) {}
-
-  [[noreturn]] void fail(const toml::node* node, const std::string& message) const {
-    const auto line = (node != nullptr ? node->source() : table_.source()).begin.line;
-    throw Error(ErrorKind::kBadInput, message, fmt::format("{}:{}", file_, line));
-  }
-
-  const toml::node* get(const std::string& key) {
-    known_.push_back(key);
-    return table_.get(key);
-  }
-
-  template <typename T>
-  std::optional<T> value(const std::string& key, const char* what) {
-    const toml::node* node = get(key);
-    if (node == nullptr) return std::nullopt;
-    const std::optional<T> value = node->value<T>();
-    if (!value) fail(node, fmt::format("{}.{} must be {}", name_, key, what));
-    return value;
-  }
-
-  std::string text(const std::string& key) {
-    const std::optional<std::string> found = value<std::string>(key, "a text in quotes");
-    if (!found || found->empty()) fail(nullptr, fmt::format("{} needs a field '{}'", name_, key));
-    return *found;
-  }
-
-  std::vector<std::string> texts(const std::string& key) {
-    const toml::node* node = get(key);
-    if (node == nullptr) fail(nullptr, fmt::format("{} needs a field '{}'", name_, key));
-    if (node->is_string()) return {**node->as_string()};
-    std::vector<std::string> all;
-    if (const toml::array* array = node->as_array()) {
-      for (const toml::node& entry : *array) {
-        if (!entry.is_string()) fail(&entry, fmt::format("{}.{} must be a text or a list of texts", name_, key));
-        all.push_back(**entry.as_string());
-      }
-    }
-    if (all.empty()) fail(node, fmt::format("{}.{} must be a text or a list of texts", name_, key));
-    return all;
-  }
-
-  void refuse_unknown_keys() const {
-    for (const auto& [key, node] : table_) {
-      const std::string name(key.str());
-      if (std::ranges::find(known_, name) != known_.end()) continue;
-      fail(&node, fmt::format("{} has an unknown field '{}'.{}", name_, name, did_you_mean(name, known_)));
-    }
-  }
-
- private:
-  const toml::table& table_;
-  std::string name_, file_;
-  std::vector<std::string> known_;
-};
-
-// The tables under a key that may be written once, [key], or several times, [[key]].
-std::vector<const toml::table*> tables(TableReader& root, const std::string& key) {
-  const toml::node* node = root.get(key);
-  std::vector<const toml::table*> found;
-  if (node == nullptr) return found;
-  if (const toml::table* table = node->as_table()) return {table};
-  if (const toml::array* array = node->as_array()) {
-    for (const toml::node& entry : *array) found.push_back(entry.as_table());
-  }
-  if (found.empty() || std::ranges::find(found, nullptr) != found.end()) {
-    root.fail(node, fmt::format("'{0}' must be a section, [{0}] or [[{0}]]", key));
-  }
-  return found;
-}
 
 DatasetCamera camera_from(const toml::table& table, const std::string& file) {
   TableReader reader(table, "[[camera]]", file);
@@ -166,6 +91,28 @@ DatasetLaser laser_from(const toml::table& table, const std::string& file) {
   }
   reader.refuse_unknown_keys();
   return laser;
+}
+
+SurveyInput survey_from(const toml::table& table, const std::string& file) {
+  TableReader reader(table, "[survey]", file);
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  SurveyInput survey;
+  survey.landmarks = (folder / reader.text("landmarks")).generic_string();
+  survey.sightings = (folder / reader.text("sightings")).generic_string();
+  survey.height = reader.value<std::string>("height", "a text in quotes").value_or("");
+  survey.sigma_px = reader.value<double>("sigma_px", "a number").value_or(survey.sigma_px);
+  if (!(survey.sigma_px > 0)) reader.fail(nullptr, "[survey].sigma_px must be positive");
+  if (const toml::node* origin = reader.get("origin")) {
+    const toml::array* numbers = origin->as_array();
+    for (std::size_t i = 0; numbers != nullptr && i < numbers->size(); ++i) {
+      if ((*numbers)[i].is_number()) survey.origin.push_back(*(*numbers)[i].value<double>());
+    }
+    if (survey.origin.size() != 3) {
+      reader.fail(origin, "[survey].origin must be [latitude, longitude, height] in degrees and metres");
+    }
+  }
+  reader.refuse_unknown_keys();
+  return survey;
 }
 
 DatasetBoard board_from(const toml::table& table, const std::string& file, std::size_t index) {
@@ -272,6 +219,9 @@ Dataset dataset_from_text(const std::string& text, const std::string& path) {
   const std::vector<const toml::table*> lasers = tables(reader, "laser");
   if (lasers.size() > 1) reader.fail(lasers[1], "there is a second [laser]; a rig has one");
   for (const toml::table* table : lasers) dataset.laser = laser_from(*table, path);
+  const std::vector<const toml::table*> surveys = tables(reader, "survey");
+  if (surveys.size() > 1) reader.fail(surveys[1], "there is a second [survey]; put all landmarks into one");
+  for (const toml::table* table : surveys) dataset.survey = survey_from(*table, path);
   for (const toml::table* table : tables(reader, "parameter")) dataset.rules.push_back(rule_from(*table, path));
   for (const toml::table* table : tables(reader, "calibrate")) read_options(*table, path, dataset.options);
   reader.refuse_unknown_keys();

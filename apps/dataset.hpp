@@ -8,6 +8,7 @@
 #include "raybundle/calibrate/calibrate.hpp"
 #include "raybundle/scene/problem.hpp"
 #include "raybundle/targets/board.hpp"
+#include "survey_input.hpp"
 
 namespace raybundle::apps {
 
@@ -52,6 +53,7 @@ struct Dataset {
   std::vector<DatasetBoard> boards;
   std::vector<DatasetCamera> cameras;
   std::optional<DatasetLaser> laser;
+  std::optional<SurveyInput> survey;
   std::vector<ParameterRule> rules;
   CalibrateOptions options;
 };

@@ -10,6 +10,7 @@ import { coverageFigure, meanResidualFigure, residualFigure } from "./image_figu
 import { cameraModel } from "./model.js";
 import { straightFigures } from "./pictures.js";
 import { followPrinterAndScheme, tip } from "./plot.js";
+import { surveySection } from "./survey.js";
 import { boardsSection, camerasSection, parametersTable, rigSection, runSection, setAsideSection, tiles, warningsSection } from "./tables.js";
 import { uncertaintyFigure } from "./uncertainty.js";
 import { headline, nextViewsSection, verdictSection } from "./verdict.js";
@@ -50,7 +51,7 @@ function drawPage(report) {
   };
   const warnings = warningsSection(report);
   const sections = [verdictSection(report), warnings, nextViewsSection(report, cameras), camerasSection(cameras),
-    ...cameras.map((camera) => cameraSection(camera, report)), rigSection(report, cameras, chooseFrame), boardsSection(report), comparisonSection(report, cameras),
+    ...cameras.map((camera) => cameraSection(camera, report)), rigSection(report, cameras, chooseFrame), boardsSection(report), surveySection(report), comparisonSection(report, cameras),
     setAsideSection(report), runSection(report)].filter(Boolean);
   const version = report.provenance.versions.find(({ name }) => name === "raybundle");
   document.title = `Calibration of ${names}`;
