@@ -43,9 +43,9 @@ double nearest_true_dot(const MeasuredScene& scene) {
 Trial trial(const CaseBase& base, const EvaluationOptions& options, std::uint64_t seed) {
   Trial trial;
   std::optional<OccupancyMonitor> monitor;
+  const SceneSource source({options.kind, {options.generator, seed, {}, 0.0}, options.grid});
   for (int frame = 0; frame < options.frames; ++frame) {
-    const MeasuredScene scene =
-        measured_scene({options.kind, {options.generator, seed, {}, frame * options.frame_s}, options.grid});
+    const MeasuredScene scene = source.at(frame * options.frame_s);
     if (!monitor) monitor.emplace(scene.layout, base, scene.rays, options.monitor);
     trial.answer = monitor->process(scene.scan());
     trial.truth = scene.truth;
@@ -126,8 +126,10 @@ double Share::bound(double side) const {
 
 Evaluation evaluate(const CaseBase& base, const EvaluationOptions& options) {
   std::vector<Trial> trials(static_cast<std::size_t>(options.scenes));
-  for_each_index(trials.size(), options.threads,
-                 [&](std::size_t i) { trials[i] = trial(base, options, options.seed + i); });
+  for_each_index(trials.size(), options.threads, [&](std::size_t i) {
+    trials[i] = trial(base, options, options.seed + i);
+    if (options.scene_done) options.scene_done();
+  });
   Evaluation sum;
   for (const Trial& trial : trials) add(trial, sum);
   const auto by_size = [](double a, double b) { return std::abs(a) < std::abs(b); };

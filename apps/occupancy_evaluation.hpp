@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct EvaluationOptions {
   double frame_s = 0.1;  ///< between frames
   MonitorOptions monitor;
   int threads = 1;
+  std::function<void()> scene_done = {};  ///< called after each scene, from any thread
 };
 
 /// A share of trials with its 95 % confidence interval.

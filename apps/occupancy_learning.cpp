@@ -3,6 +3,9 @@
 #include "occupancy_learning.hpp"
 
 #include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <vector>
 
 #include "each_index.hpp"
 #include "raybundle/synthetic/random.hpp"
@@ -46,6 +49,38 @@ AirbagAction action_to_learn(const CockpitTruth& truth, const MeasuredScene& sce
 
 }  // namespace
 
+namespace {
+
+// A smooth field of random waves, of unit scatter.
+class Waves {
+ public:
+  explicit Waves(Random& random) {
+    constexpr double kShortest_m = 0.15, kLongest_m = 0.7;
+    for (Wave& wave : waves_) {
+      const double length_m = random.uniform(kShortest_m, kLongest_m);
+      const double x = random.normal(), y = random.normal(), z = random.normal();
+      wave.per_m = 2 * M_PI / length_m * Eigen::Vector3d(x, y, z).normalized();
+      wave.phase = random.uniform(0.0, 2 * M_PI);
+      wave.height = random.normal() * length_m / kLongest_m;  // long waves are the higher ones
+    }
+  }
+
+  double at(const Eigen::Vector3d& x) const {
+    double sum = 0.0;
+    for (const Wave& wave : waves_) sum += wave.height * std::sin(wave.per_m.dot(x) + wave.phase);
+    return sum;
+  }
+
+ private:
+  struct Wave {
+    Eigen::Vector3d per_m = Eigen::Vector3d::Zero();
+    double phase = 0.0, height = 0.0;
+  };
+  std::array<Wave, 8> waves_;
+};
+
+}  // namespace
+
 MeasuredScene as_in_another_car(MeasuredScene scene, const SimulatedLearning& how, std::uint64_t seed) {
   Random random(seed, 71);
   const auto change = [&](double most) { return random.uniform(-most, most); };
@@ -55,8 +90,14 @@ MeasuredScene as_in_another_car(MeasuredScene scene, const SimulatedLearning& ho
   stretch(2, 0) = change(how.car_change);
   const double x = change(how.car_shift_m), y = change(0.5 * how.car_shift_m), z = change(how.car_shift_m);
   const Eigen::Vector3d shift(x, y, z);
+  const Waves shape(random);
   scene.viewpoint_in_vehicle = stretch * scene.viewpoint_in_vehicle + shift;
-  for (ScenePoint& point : scene.points) point.x_in_vehicle = stretch * point.x_in_vehicle + shift;
+  std::erase_if(scene.points, [&](const ScenePoint&) { return random.chance(how.car_lost); });
+  for (ScenePoint& point : scene.points) {
+    point.x_in_vehicle = stretch * point.x_in_vehicle + shift;
+    const Eigen::Vector3d ray = (point.x_in_vehicle - scene.viewpoint_in_vehicle).normalized();
+    point.x_in_vehicle += how.car_shape_m * shape.at(point.x_in_vehicle) * ray;
+  }
   return scene;
 }
 
@@ -85,6 +126,7 @@ LabelledCases simulated_cases(const SimulatedLearning& how) {
       cases.classes[n] = static_cast<std::uint8_t>(seen.truth.seat_class);
       cases.actions[n] = action;
     }
+    if (how.scene_done) how.scene_done();
   });
   return cases;
 }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
+
 #include "occupancy_scenes.hpp"
 #include "raybundle/occupancy/attributes.hpp"
 #include "raybundle/occupancy/learn.hpp"
@@ -20,15 +22,19 @@ struct SimulatedLearning {
   LaserGrid grid{11, 11};
   int scenes = 4000;
   std::uint64_t seed = 1;
-  int other_cars = 2;         ///< copies of each scene as if in another car, see as_in_another_car()
-  double car_change = 0.06;   ///< how much lengths and angles of those cars differ
-  double car_shift_m = 0.02;  ///< how much their seats are elsewhere
-  double margin_m = 0.05;     ///< actions are learnt as if everybody were nearer to the dashboard by this
+  int other_cars = 3;          ///< copies of each scene as if in another car, see as_in_another_car()
+  double car_change = 0.10;    ///< how much lengths and angles of those cars differ
+  double car_shift_m = 0.04;   ///< how much their seats are elsewhere
+  double car_shape_m = 0.015;  ///< how much surfaces there bulge otherwise
+  double car_lost = 0.1;       ///< share of the points that are lost there
+  double margin_m = 0.05;      ///< actions are learnt as if everybody were nearer to the dashboard by this
   int threads = 1;
+  std::function<void()> scene_done = {};  ///< called after each scene, from any thread
 };
 
-/// The scene stretched, sheared and shifted a little, together with the rays that measured it: another seat, another
-/// mounting, another person. Rays stay rays, so that what hides what remains true.
+/// The scene stretched, sheared, shifted and dented a little, together with the rays that measured it: another seat,
+/// another mounting, another person. Rays stay rays, so that what hides what remains true. Points and parts are no
+/// longer aligned.
 MeasuredScene as_in_another_car(MeasuredScene scene, const SimulatedLearning& how, std::uint64_t seed);
 
 /// Scenes of the training generator with the seeds from `seed` on, as cases.

@@ -10,21 +10,18 @@
 namespace raybundle::apps {
 namespace {
 
-std::uint64_t frame_of(const SceneRequest& request) {
-  return static_cast<std::uint64_t>(std::lround(1e3 * request.cockpit.time_s));
-}
+std::uint64_t frame_of(double time_s) { return static_cast<std::uint64_t>(std::lround(1e3 * time_s)); }
 
 void add(const CabinPoint& point, MeasuredScene& measured) {
   measured.points.push_back({point.ray, point.x_in_vehicle, std::sqrt(point.covariance_m2.trace())});
   measured.parts.push_back(point.part);
 }
 
-void measure_dots(const SceneRequest& request, const CabinScene& scene, MeasuredScene& measured) {
-  const std::uint64_t seed = request.cockpit.seed;
-  const CabinSensor sensor = structured_light_sensor(request.cockpit.generator, seed, request.grid);
-  const std::vector<CabinDot> dots = dots_of(scene, sensor, {.seed = seed, .stream = frame_of(request)});
+void measure_dots(const CabinSensor& sensor, const CabinScene& scene, const CabinDotOptions& options,
+                  MeasuredScene& measured) {
+  const std::vector<CabinDot> dots = dots_of(scene, sensor, options);
   measured.viewpoint_in_vehicle = sensor.known_vehicle_from_rig * sensor.rig.emitter->rig_from_emitter.translation;
-  measured.rays = request.grid.size();
+  measured.rays = sensor.rig.emitter->grid.size();
   std::vector<Eigen::Vector3d> truth(static_cast<std::size_t>(measured.rays), Eigen::Vector3d::Zero());
   for (const CabinDot& dot : dots) {
     if (dot.dot.beam != kUnlabelled) truth[dot.dot.beam] = dot.x_in_vehicle;
@@ -35,14 +32,19 @@ void measure_dots(const SceneRequest& request, const CabinScene& scene, Measured
   }
 }
 
-void measure_stereo(const SceneRequest& request, const CabinScene& scene, MeasuredScene& measured) {
-  const std::uint64_t seed = request.cockpit.seed;
-  const CabinRenderer renderer(stereo_sensor(request.cockpit.generator, seed, request.stereo_size));
+void measure_stereo(const CabinRenderer& renderer, const CabinScene& scene, const CabinMatchOptions& options,
+                    MeasuredScene& measured) {
+  const ImageSize size = renderer.sensor().rig.cameras.front().camera.size;
   measured.viewpoint_in_vehicle = renderer.sensor().known_vehicle_from_rig.translation;
-  measured.rays = request.stereo_size.width * request.stereo_size.height;
-  for (const CabinPoint& point : renderer.matched_points(scene, {.seed = seed, .stream = frame_of(request)})) {
-    add(point, measured);
-  }
+  measured.rays = size.width * size.height;
+  for (const CabinPoint& point : renderer.matched_points(scene, options)) add(point, measured);
+}
+
+CabinSensor sensor_of(const SceneRequest& request) {
+  const CockpitRequest& cockpit = request.cockpit;
+  return request.kind == SensorKind::kStructuredLight
+             ? structured_light_sensor(cockpit.generator, cockpit.seed, request.grid)
+             : stereo_sensor(cockpit.generator, cockpit.seed, request.stereo_size);
 }
 
 }  // namespace
@@ -61,14 +63,23 @@ VehicleLayout vehicle_layout(const CabinLayout& layout) {
           .roof_m = layout.roof_m};
 }
 
-MeasuredScene measured_scene(const SceneRequest& request) {
-  const CabinScene scene(make_cockpit(request.cockpit));
+SceneSource::SceneSource(const SceneRequest& request) : request_(request), sensor_(sensor_of(request)) {
+  if (request.kind == SensorKind::kStereo) renderer_.emplace(sensor_);
+}
+
+MeasuredScene SceneSource::at(double time_s) const {
+  CockpitRequest cockpit = request_.cockpit;
+  cockpit.time_s = time_s;
+  const CabinScene scene(make_cockpit(cockpit));
   MeasuredScene measured;
   measured.layout = vehicle_layout(scene.cockpit().layout);
   measured.truth = scene.cockpit().truth;
-  request.kind == SensorKind::kStructuredLight ? measure_dots(request, scene, measured)
-                                               : measure_stereo(request, scene, measured);
+  const std::uint64_t seed = cockpit.seed, frame = frame_of(time_s);
+  renderer_ ? measure_stereo(*renderer_, scene, {.seed = seed, .stream = frame}, measured)
+            : measure_dots(sensor_, scene, {.seed = seed, .stream = frame}, measured);
   return measured;
 }
+
+MeasuredScene measured_scene(const SceneRequest& request) { return SceneSource(request).at(request.cockpit.time_s); }
 
 }  // namespace raybundle::apps

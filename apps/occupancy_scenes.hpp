@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "raybundle/cockpit/cabin_renderer.hpp"
 #include "raybundle/cockpit/cabin_scene.hpp"
 #include "raybundle/cockpit/sensor.hpp"
 #include "raybundle/occupancy/scan.hpp"
@@ -38,6 +39,19 @@ struct SceneRequest {
 /// What the sensor measures: dots with the noise of their light and right labels, or pixels with the errors of a
 /// matcher, without its being run.
 MeasuredScene measured_scene(const SceneRequest& request);
+
+/// The same scene at one time after the other: what depends on the sensor alone is computed once.
+class SceneSource {
+ public:
+  /// @param request  its time does not matter
+  explicit SceneSource(const SceneRequest& request);
+  MeasuredScene at(double time_s) const;
+
+ private:
+  SceneRequest request_;
+  CabinSensor sensor_;
+  std::optional<CabinRenderer> renderer_;  ///< for stereo
+};
 
 /// What whoever installs the sensor knows of the simulated car.
 VehicleLayout vehicle_layout(const CabinLayout& layout);

@@ -81,7 +81,7 @@ constexpr Profile kStripeProfile{kStripeHeights, kStripeLengths};
 constexpr double kReliefAlong[] = {0.06, 0.18, 0.30, 0.42, 0.54, 0.68};
 constexpr double kReliefUp[] = {0.10, 0.25, 0.40, 0.55, 0.72};
 constexpr double kSparseAcross[] = {-0.17, 0.0, 0.17}, kDenseAcross[] = {-0.20, -0.10, 0.0, 0.10, 0.20};
-constexpr Relief kSparseRelief{kReliefAlong, kReliefUp, kSparseAcross, 0.07};
+constexpr Relief kSparseRelief{kReliefAlong, kReliefUp, kDenseAcross, 0.05};
 constexpr Relief kDenseRelief{kReliefAlong, kReliefUp, kDenseAcross, 0.03};
 
 template <const Relief& relief>

@@ -3,7 +3,6 @@
 #include "raybundle/occupancy/case_base.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 
 #include "raybundle/geometry/error.hpp"
@@ -12,23 +11,23 @@ namespace raybundle {
 namespace {
 
 struct Near {
-  double squared = 0.0;
+  float squared = 0.0F;
   int index = -1;
 };
 
 using NearCases = std::array<Near, kMostNeighbours>;
 
 // The k nearest of the base's cases, nearest first; of two at the same distance the earlier one.
-int nearest_cases(const CaseBase& base, const double* query, int left_out, NearCases& nearest) {
+int nearest_cases(const CaseBase& base, const float* query, int left_out, NearCases& nearest) {
   const Eigen::Index size = base.cases.rows();
   int found = 0;
   for (int n = 0; n < base.cases.cols(); ++n) {
     if (n == left_out) continue;
-    const double* one = base.cases.data() + n * size;
-    const double bound = found < base.neighbours ? INFINITY : nearest[found - 1].squared;
-    double squared = 0.0;
+    const float* one = base.cases.data() + n * size;
+    const float bound = found < base.neighbours ? INFINITY : nearest[found - 1].squared;
+    float squared = 0.0F;
     for (Eigen::Index i = 0; i < size && squared < bound; ++i) {
-      const double difference = one[i] - query[i];
+      const float difference = one[i] - query[i];
       squared += difference * difference;
     }
     if (!(squared < bound)) continue;
@@ -40,14 +39,14 @@ int nearest_cases(const CaseBase& base, const double* query, int left_out, NearC
   return found;
 }
 
-CaseVerdict verdict_of(const CaseBase& base, const double* query, int left_out) {
+CaseVerdict verdict_of(const CaseBase& base, const float* query, int left_out) {
   CaseVerdict verdict;
   NearCases nearest;
   const int found = nearest_cases(base, query, left_out, nearest);
   if (found < base.neighbours) return verdict;
   double sum = 0.0;
   for (int i = 0; i < found; ++i) {
-    const double distance = std::sqrt(nearest[i].squared);
+    const double distance = std::sqrt(static_cast<double>(nearest[i].squared));
     const double vote = 1.0 / (distance + 1e-6);
     verdict.distance += distance / found;
     verdict.votes[base.classes[nearest[i].index]] += vote;
@@ -71,17 +70,14 @@ void CaseBase::check() const {
   if (situations.empty() || situations.size() > kMostClasses || group_names.size() > kMostClasses) {
     refuse("it has no classes, or too many");
   }
-  if (metric_from_attributes.rows() < 1 || metric_from_attributes.rows() > kMostMetricSize ||
-      metric_from_attributes.cols() < 1) {
-    refuse("its metric has no usable size");
-  }
-  if (cases.rows() != metric_from_attributes.rows()) refuse("its cases and its metric differ in size");
+  embedding.check();
+  if (cases.rows() != embedding.size()) refuse("its cases and its embedding differ in size");
   if (cases.cols() != static_cast<Eigen::Index>(classes.size()) || actions.size() != classes.size())
     refuse("not every case has a class and an action");
   if (neighbours < 1 || neighbours > kMostNeighbours || cases.cols() <= neighbours) {
     refuse("it has fewer cases than neighbours");
   }
-  if (!metric_from_attributes.allFinite() || !cases.allFinite() || !std::isfinite(farthest)) {
+  if (!cases.allFinite() || !std::isfinite(farthest)) {
     refuse("it holds a number that is not finite");
   }
   for (const SituationClass& situation : situations) {
@@ -96,13 +92,9 @@ void CaseBase::check() const {
 }
 
 CaseVerdict classify(const CaseBase& base, const Eigen::Ref<const Eigen::VectorXd>& attributes) {
-  assert(attributes.size() == base.metric_from_attributes.cols());
-  std::array<double, kMostMetricSize> query{};
-  for (Eigen::Index i = 0; i < base.metric_from_attributes.rows(); ++i) {
-    for (Eigen::Index j = 0; j < attributes.size(); ++j) query[i] += base.metric_from_attributes(i, j) * attributes[j];
-    if (!std::isfinite(query[i])) return {};
-  }
-  return verdict_of(base, query.data(), -1);
+  if (!attributes.allFinite()) return {};
+  const EmbeddedPlace place = base.embedding.place(attributes);
+  return verdict_of(base, place.data(), -1);
 }
 
 CaseVerdict classify_left_out(const CaseBase& base, int left_out) {

@@ -10,16 +10,31 @@
 namespace raybundle {
 namespace {
 
-constexpr FileKind kKind{"RBOCCUPY", 1, "base of occupancy cases", "raybundle occupancy learn"};
-constexpr int kMostCases = 1 << 20;
+constexpr FileKind kKind{"RBOCCUPY", 2, "base of occupancy cases", "raybundle occupancy learn"};
+constexpr int kMostCases = 1 << 20, kMostLayers = 8;
 
-void add_matrix(ByteWriter& writer, const Eigen::MatrixXd& matrix) {
-  writer.values(std::span<const double>(matrix.data(), static_cast<std::size_t>(matrix.size())));
+void add_matrix(ByteWriter& writer, const Eigen::Ref<const Eigen::MatrixXf>& matrix) {
+  writer.values(std::span<const float>(matrix.data(), static_cast<std::size_t>(matrix.size())));
 }
 
-Eigen::MatrixXd next_matrix(ByteReader& reader, int rows, int columns) {
-  const std::vector<double> values = reader.values<double>(static_cast<std::size_t>(rows) * columns);
-  return Eigen::Map<const Eigen::MatrixXd>(values.data(), rows, columns);
+Eigen::MatrixXf next_matrix(ByteReader& reader, int rows, int columns) {
+  const std::vector<float> values = reader.values<float>(static_cast<std::size_t>(rows) * columns);
+  return Eigen::Map<const Eigen::MatrixXf>(values.data(), rows, columns);
+}
+
+Embedding next_embedding(ByteReader& reader) {
+  Embedding embedding;
+  int size = reader.count(1, kMostUnits, "the number of attributes");
+  embedding.centre = next_matrix(reader, size, 1);
+  embedding.scale = next_matrix(reader, size, 1);
+  embedding.layers.resize(static_cast<std::size_t>(reader.count(1, kMostLayers, "the number of layers")));
+  for (EmbeddingLayer& layer : embedding.layers) {
+    const int out = reader.count(1, kMostUnits, "the size of a layer");
+    layer.weights = next_matrix(reader, out, size);
+    layer.offsets = next_matrix(reader, out, 1);
+    size = out;
+  }
+  return embedding;
 }
 
 }  // namespace
@@ -39,10 +54,16 @@ std::string bytes_from_case_base(const CaseBase& base) {
   }
   add_count(base.neighbours);
   writer.value(base.farthest);
-  add_count(base.metric_from_attributes.rows());
-  add_count(base.metric_from_attributes.cols());
+  add_count(base.embedding.attributes());
+  add_matrix(writer, base.embedding.centre);
+  add_matrix(writer, base.embedding.scale);
+  add_count(static_cast<Eigen::Index>(base.embedding.layers.size()));
+  for (const EmbeddingLayer& layer : base.embedding.layers) {
+    add_count(layer.weights.rows());
+    add_matrix(writer, layer.weights);
+    add_matrix(writer, layer.offsets);
+  }
   add_count(base.cases.cols());
-  add_matrix(writer, base.metric_from_attributes);
   add_matrix(writer, base.cases);
   writer.values(std::span<const std::uint8_t>(base.classes));
   for (const AirbagAction action : base.actions) writer.value(static_cast<std::uint8_t>(action));
@@ -63,11 +84,9 @@ CaseBase case_base_from_bytes(std::string_view bytes, const std::string& where) 
   }
   base.neighbours = reader.count(1, kMostNeighbours, "the number of neighbours");
   base.farthest = reader.value<double>();
-  const int size = reader.count(1, kMostMetricSize, "the size of the metric");
-  const int attributes = reader.count(1, 4096, "the number of attributes");
+  base.embedding = next_embedding(reader);
   const int cases = reader.count(1, kMostCases, "the number of cases");
-  base.metric_from_attributes = next_matrix(reader, size, attributes);
-  base.cases = next_matrix(reader, size, cases);
+  base.cases = next_matrix(reader, static_cast<int>(base.embedding.size()), cases);
   base.classes = reader.values<std::uint8_t>(static_cast<std::size_t>(cases));
   for (const std::uint8_t action : reader.values<std::uint8_t>(static_cast<std::size_t>(cases))) {
     base.actions.push_back(static_cast<AirbagAction>(action));

@@ -13,7 +13,7 @@ namespace {
 
 const AttributeSet* attributes_of(const CaseBase& base) {
   const AttributeSet* set = attribute_set_named(base.attribute_set);
-  if (set == nullptr || set->size != base.metric_from_attributes.cols()) {
+  if (set == nullptr || set->size != base.embedding.attributes()) {
     throw Error(ErrorKind::kBadInput, "the base was learnt with attributes '" + base.attribute_set +
                                           "', which this program does not make; learn it again");
   }

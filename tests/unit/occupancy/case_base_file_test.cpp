@@ -13,8 +13,11 @@ CaseBase small_base() {
   CaseBase base{.attribute_set = "test",
                 .situations = {{.name = "empty", .inert = true}, {.name = "adult"}},
                 .group_names = {"nobody", "somebody"},
-                .metric_from_attributes = Eigen::MatrixXd::Identity(2, 3),
-                .cases = Eigen::MatrixXd::Random(2, 5),
+                .embedding = {.centre = Eigen::Vector3f(1, 2, 3),
+                              .scale = Eigen::Vector3f(1, 2, 3),
+                              .layers = {{Eigen::MatrixXf::Random(4, 3), Eigen::VectorXf::Random(4)},
+                                         {Eigen::MatrixXf::Random(2, 4), Eigen::VectorXf::Random(2)}}},
+                .cases = Eigen::MatrixXf::Random(2, 5),
                 .classes = {0, 1, 0, 1, 1},
                 .actions = {AirbagAction::kNoFire, AirbagAction::kFire, AirbagAction::kNoFire, AirbagAction::kFire,
                             AirbagAction::kDepowered},
@@ -30,6 +33,7 @@ TEST(CaseBaseFile, BringsBackTheSameBits) {
   const CaseBase back = case_base_from_bytes(bytes, "base");
   EXPECT_EQ(bytes_from_case_base(back), bytes);
   EXPECT_EQ(back.cases, base.cases);
+  EXPECT_EQ(back.embedding.layers[0].weights, base.embedding.layers[0].weights);
   EXPECT_EQ(back.situations[1].name, "adult");
   EXPECT_EQ(back.actions, base.actions);
   EXPECT_TRUE(back.situations[0].inert);

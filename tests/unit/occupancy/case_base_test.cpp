@@ -14,7 +14,7 @@
 namespace raybundle {
 namespace {
 
-constexpr LearnOptions kQuick{.metric_size = 2, .metric_steps = 20};
+const LearnOptions kQuick{.layers = {8, 2}, .steps = 300, .dropout = 0.0};
 
 // Two classes, 3 apart along the first attribute; the second attribute is a hundred times as large and says nothing.
 LabelledCases two_clouds(int cases, std::uint64_t seed) {
@@ -35,8 +35,8 @@ LabelledCases two_clouds(int cases, std::uint64_t seed) {
   return labelled;
 }
 
-// The metric makes up for attributes of different size: raw distances would be decided by the second attribute alone.
-TEST(CaseBase, LearntMetricIgnoresWhatVariesWithinClasses) {
+// The embedding makes up for attributes of different size: raw distances would be decided by the second one alone.
+TEST(CaseBase, LearntSpaceIgnoresWhatVariesWithinClasses) {
   const CaseBase base = learn(two_clouds(400, 1), kQuick);
   const LabelledCases others = two_clouds(400, 2);
   int right = 0, known = 0;

@@ -50,7 +50,7 @@ CaseBase base() {
     cases.classes.push_back(adult);
     cases.actions.push_back(adult ? AirbagAction::kFire : AirbagAction::kNoFire);
   }
-  return learn(cases, {.known_share = 1.0, .metric_size = 4, .metric_steps = 20});
+  return learn(cases, {.known_share = 1.0, .layers = {8, 4}, .steps = 200, .dropout = 0.0});
 }
 
 const CaseBase& shared_base() {

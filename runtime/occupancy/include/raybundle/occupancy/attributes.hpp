@@ -11,7 +11,7 @@
 
 namespace raybundle {
 
-inline constexpr int kMostAttributes = 128;
+inline constexpr int kMostAttributes = 256;
 
 /// Attributes of a situation, without heap.
 using Attributes = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMostAttributes, 1>;

@@ -8,10 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "raybundle/occupancy/embedding.hpp"
+
 namespace raybundle {
 
 inline constexpr int kMostClasses = 16;
-inline constexpr int kMostMetricSize = 128;
 inline constexpr int kMostNeighbours = 32;
 
 /// What the airbag may do in a crash, from the least forceful. Undecided: whoever asks must fall back on other sensors.
@@ -25,14 +26,14 @@ struct SituationClass {
   bool inert = false;  ///< nothing of it moves by itself
 };
 
-/// Learnt situations: attributes of scenes whose class is known, in a metric in which distances between situations of
-/// one class are small. Sizes agree: see check().
+/// Learnt situations: scenes whose class is known, as places in a space in which situations of one class are near to
+/// each other. Sizes agree: see check().
 struct CaseBase {
   std::string attribute_set;               ///< which function made the attributes: see attributes.hpp
   std::vector<SituationClass> situations;  ///< at most kMostClasses
   std::vector<std::string> group_names;    ///< at most kMostClasses
-  Eigen::MatrixXd metric_from_attributes;  ///< M×D
-  Eigen::MatrixXd cases;                   ///< M×N, one column a learnt situation, in the metric's space
+  Embedding embedding;                     ///< from attributes to the space of the cases
+  Eigen::MatrixXf cases;                   ///< M×N, one column a learnt situation
   std::vector<std::uint8_t> classes;       ///< N, indices into situations
   std::vector<AirbagAction> actions;       ///< N, what was right for each case
   int neighbours = 7;                      ///< k
@@ -53,7 +54,7 @@ struct CaseVerdict {
 
 /// The k nearest cases vote. Brute force: bounded, without heap, the same bits on every run.
 ///
-/// @param attributes  D values
+/// @param attributes  as many as the embedding takes
 CaseVerdict classify(const CaseBase& base, const Eigen::Ref<const Eigen::VectorXd>& attributes);
 
 /// As classify, but leaves one case out: how well the base knows its own cases.

@@ -23,20 +23,18 @@ struct LabelledCases {
 
 struct LearnOptions {
   int neighbours = 15;
-  double known_share = 0.999;      ///< of the learnt cases that are near enough to the others: sets `farthest`
-  double metric_shrinkage = 0.05;  ///< of the scatter within classes towards its diagonal
-  int metric_size = 20;            ///< dimensions of the metric's space, at most
-  int metric_steps = 400;          ///< of the search for the metric
-  double metric_decay = 1e-3;      ///< how much the metric is drawn to zero in a step
+  double known_share = 0.999;           ///< of the learnt cases that are near enough to the others: sets `farthest`
+  std::vector<int> layers{96, 48, 16};  ///< sizes of the embedding's layers, the last one that of the cases' space
+  int steps = 3000;                     ///< of the search for it
+  double decay = 1e-4;                  ///< how much its weights are drawn to zero
+  double dropout = 0.1;                 ///< share of the values between layers that a step leaves out
 };
 
-/// Makes a base of cases. The metric starts from the directions that tell classes apart in the space where the scatter
-/// within classes is white, and is then turned so that neighbours are of one class. Not for the device: it uses the
-/// heap.
+/// Makes a base of cases: an embedding in which neighbours are of one class and of one right action, and the places of
+/// all cases in it. Not for the device: it uses the heap.
 ///
 /// @throws Error(kNotEnoughData) when a class has fewer cases than neighbours; Error(kBadInput) when sizes differ
-/// Source: Bar-Hillel, Hertz, Shental, Weinshall 2005 (relevant component analysis), with shrinkage;
-/// neighbourhood_metric.hpp
+/// Source: embedding_search.hpp
 CaseBase learn(const LabelledCases& cases, const LearnOptions& options = {});
 
 }  // namespace raybundle
