@@ -33,7 +33,12 @@ std::string line_of(const SurveyImage& image) {
                                "more than the sigmas say (chi² {:.1f} for each degree of freedom): the lens model, the "
                                    "survey or the sightings are worse than stated",
                                factor);
-  return fmt::format("{}, camera {}: {:.2f} px rms, {}; {}\n", image.image, image.camera, image.rms_px, place, verdict);
+  std::string left_out;
+  for (const LandmarkResidual& landmark : image.landmarks) {
+    if (!landmark.used) left_out += (left_out.empty() ? "; left out: " : ", ") + landmark.landmark;
+  }
+  return fmt::format("{}, camera {}: {:.2f} px rms, {}; {}{}\n", image.image, image.camera, image.rms_px, place,
+                     verdict, left_out);
 }
 
 }  // namespace
