@@ -28,6 +28,8 @@ Json json_of(const HealthReport& health) {
           {"turn_rad", list(health.turn_rad)},
           {"turn_sigma_rad", list(health.turn_sigma_rad)},
           {"chi_squared", health.statistic},
+          {"recent_turn_rad", list(health.recent_turn_rad)},
+          {"recent_chi_squared", health.recent_statistic},
           {"alarm_above", health.threshold},
           {"noise", health.noise},
           {"dots", health.dots}};

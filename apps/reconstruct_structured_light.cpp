@@ -76,12 +76,7 @@ class Reconstruction {
                            {folder / (name + ".html"), files.html}});
     flags_.json ? static_cast<void>(fmt::print("{}\n", files.json)) : print_row(name, frame);
     state_ = frame.state;
-    if (state_ == State::kInvalid && frame.health.state == State::kInvalid) {
-      say_warning(
-          fmt::format("{}: the projector seems to have turned by {:.2f} mrad since its calibration "
-                      "(chi-squared {:.0f}, alarm above {:.0f}); calibrate again",
-                      name, 1e3 * frame.health.turn_rad.norm(), frame.health.statistic, frame.health.threshold));
-    }
+    if (frame.health.state == State::kInvalid) say_turned(name, frame.health);
   }
 
   int taken() const { return static_cast<int>(names_.size()); }
@@ -94,6 +89,16 @@ class Reconstruction {
   }
 
  private:
+  static void say_turned(const std::string& name, const HealthReport& health) {
+    const bool lately = health.recent_statistic > health.statistic;
+    const Eigen::Vector3d& turn = lately ? health.recent_turn_rad : health.turn_rad;
+    say_warning(
+        fmt::format("{}: the projector seems to have turned by {:.2f} mrad {} (chi-squared {:.0f}, alarm above "
+                    "{:.0f}); calibrate again",
+                    name, 1e3 * turn.norm(), lately ? "in the last images" : "since its calibration",
+                    std::max(health.statistic, health.recent_statistic), health.threshold));
+  }
+
   static void print_row(const std::string& name, const LaserFrame& frame) {
     std::vector<double> depths, sigmas;
     for (const LaserPoint& point : frame.points) {

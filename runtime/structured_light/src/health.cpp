@@ -42,75 +42,117 @@ Eigen::Vector3d common_point(const BeamSet& set) {
 }  // namespace
 
 Health::Health(const BeamSet& beams, const HealthOptions& options)
-    : beams_(beams), options_(options), centre_(common_point(beams)), frames_(options.window) {
-  report_.threshold = chi_squared_threshold(options.false_alarm_rate);
+    : beams_(beams),
+      options_(options),
+      centre_(common_point(beams)),
+      memory_(beams, options.memory),
+      frames_(options.window) {
+  report_.threshold = chi_squared_threshold(0.5 * options.false_alarm_rate);  // of two tests
+  for (Frame& frame : frames_) frame.seen.reserve(beams.beams.size());
 }
 
-Health::Frame Health::frame_of(std::span<const Sample> samples) const {
-  Frame frame;
+void Health::Sums::add(const Vector4& by, double off, double of_dot, double of_beam, double frames) {
+  // Over the window the dots' noise averages out, the beams' errors stay.
+  const double weight = 1.0 / (of_dot / frames + of_beam);
+  const Matrix4 square = by * by.transpose();
+  normal += weight * square;
+  by_dots += weight * weight * of_dot * square;
+  by_beams += weight * weight * of_beam * square;
+  right += weight * off * by;
+}
+
+Health::Sums& Health::Sums::operator+=(const Sums& other) {
+  normal += other.normal;
+  by_dots += other.by_dots;
+  by_beams += other.by_beams;
+  right += other.right;
+  squares += other.squares;
+  return *this;
+}
+
+void Health::take(std::span<const Sample> samples, Frame& frame) const {
+  const double frames = static_cast<double>(frames_.size());
+  frame.by_calibration = frame.by_memory = {};
+  frame.seen.clear();
   for (const Sample& sample : samples) {
     const BeamGeometry& beam = beams_.beams[sample.beam];
     const BeamPoint point = beam_point(beam, sample.ray.direction);
     const Eigen::Vector2d gradient = sample.ray.per_px.transpose() * beam.normal;
     const double of_dot = gradient.dot(sample.covariance_px2 * gradient);
     const double of_beam = beam.off_plane_variance(point.along_m, point.inverse_distance);
-    // Over the window the dots' noise averages out, the beams' errors stay.
-    const double weight = 1.0 / (of_dot / static_cast<double>(frames_.size()) + of_beam);
     const double clip = kClip_sigmas * std::sqrt(of_dot + of_beam);
     const double off = std::clamp(beam.off_plane(sample.ray.direction), -clip, clip);
     Vector4 by;
     by << beam.off_plane_by_wavelength(point.along_m, point.inverse_distance),
         (point.x - centre_).cross(beam.normal) * point.inverse_distance;
-    const Matrix4 square = by * by.transpose();
-    frame.normal += weight * square;
-    frame.by_dots += weight * weight * of_dot * square;
-    frame.by_beams += weight * weight * of_beam * square;
     // Beams that have been moved to another wavelength leave the rest only.
-    frame.right += weight * (off + by[0] * beams_.log_wavelength) * by;
-    frame.squares += off * off / (of_dot + of_beam);
-    ++frame.dots;
+    const double off_calibrated = off + by[0] * beams_.log_wavelength;
+    const BeamMemory::Off known = memory_.off(sample.beam, point.along_m, point.inverse_distance);
+    frame.by_calibration.add(by, off_calibrated, of_dot, of_beam, frames);
+    frame.by_calibration.squares += off * off / (of_dot + of_beam);
+    frame.by_memory.add(by, off_calibrated - known.mean, of_dot, known.variance, frames);
+    frame.by_memory.squares += std::pow(off - known.mean, 2) / (of_dot + known.variance);
+    frame.seen.push_back({sample.beam, point.along_m, point.inverse_distance, off_calibrated, by[0], of_dot});
   }
-  return frame;
 }
 
-void Health::judge() {
-  Frame sum;
-  for (const Frame& frame : frames_) {
-    sum.normal += frame.normal;
-    sum.by_dots += frame.by_dots;
-    sum.by_beams += frame.by_beams;
-    sum.right += frame.right;
-    sum.squares += frame.squares;
-    sum.dots += frame.dots;
+// What leaves the window without an alarm is how the beams are.
+void Health::learn(const Frame& frame) {
+  memory_.fade();
+  for (const Seen& seen : frame.seen) {
+    const double off = seen.off - seen.by_wavelength * report_.log_wavelength;
+    memory_.learn(seen.beam, seen.along_m, seen.inverse_distance, off, seen.variance);
   }
-  report_.dots = sum.dots;
-  if (sum.dots < options_.least_dots) {
-    if (report_.state != State::kInvalid) report_.state = State::kDegraded;
-    return;
-  }
+}
+
+Health::Solution Health::solve(Sums sum, int dots) const {
   sum.normal(0, 0) += 1.0 / (options_.wavelength_sigma * options_.wavelength_sigma);
   sum.normal.diagonal().tail<3>().array() += 1.0;  // a turn of less than a radian: keeps one unseen axis finite
   const Matrix4 inverse = sum.normal.inverse();
-  const Vector4 change = inverse * sum.right;
+  Solution solution;
+  solution.change = inverse * sum.right;
+  solution.noise = std::sqrt(sum.squares / dots);
   // The beams' errors are the same in each frame: over the window they add up, not their squares.
   const double frames = static_cast<double>(frames_.size());
-  report_.noise = std::sqrt(sum.squares / sum.dots);
-  const double inflation = std::max(1.0, report_.noise * report_.noise);
-  Matrix4 covariance = inverse * (inflation * sum.by_dots + frames * sum.by_beams) * inverse;
-  covariance(0, 0) += 1e-20;
-  const Eigen::Matrix3d of_turn = covariance.bottomRightCorner<3, 3>();
-  report_.log_wavelength = change[0];
-  report_.log_wavelength_sigma = std::sqrt(covariance(0, 0));
-  report_.turn_rad = change.tail<3>();
-  report_.turn_sigma_rad = of_turn.diagonal().cwiseSqrt();
-  report_.statistic = report_.turn_rad.dot(of_turn.ldlt().solve(report_.turn_rad));
-  const bool alarm = report_.statistic > report_.threshold;
+  const double inflation = std::max(1.0, solution.noise * solution.noise);
+  solution.covariance = inverse * (inflation * sum.by_dots + frames * sum.by_beams) * inverse;
+  solution.covariance(0, 0) += 1e-20;
+  const Eigen::Vector3d turn = solution.change.tail<3>();
+  const Eigen::Matrix3d of_turn = solution.covariance.bottomRightCorner<3, 3>();
+  solution.statistic = turn.dot(of_turn.ldlt().solve(turn));
+  return solution;
+}
+
+void Health::judge() {
+  Sums by_calibration, by_memory;
+  report_.dots = 0;
+  for (const Frame& frame : frames_) {
+    by_calibration += frame.by_calibration;
+    by_memory += frame.by_memory;
+    report_.dots += static_cast<int>(frame.seen.size());
+  }
+  if (report_.dots < options_.least_dots) {
+    if (report_.state != State::kInvalid) report_.state = State::kDegraded;
+    return;
+  }
+  const Solution solution = solve(by_calibration, report_.dots), recent = solve(by_memory, report_.dots);
+  report_.log_wavelength = solution.change[0];
+  report_.log_wavelength_sigma = std::sqrt(solution.covariance(0, 0));
+  report_.turn_rad = solution.change.tail<3>();
+  report_.turn_sigma_rad = solution.covariance.diagonal().tail<3>().cwiseSqrt();
+  report_.statistic = solution.statistic;
+  report_.noise = solution.noise;
+  report_.recent_turn_rad = recent.change.tail<3>();
+  report_.recent_statistic = recent.statistic;
+  const bool alarm = std::max(solution.statistic, recent.statistic) > report_.threshold;
   if (alarm) report_.state = State::kInvalid;
   if (!alarm && report_.state != State::kInvalid) report_.state = State::kOk;
 }
 
 const HealthReport& Health::update(std::span<const Sample> samples) {
-  frames_[next_] = frame_of(samples);
+  Frame& oldest = frames_[next_];
+  if (report_.state == State::kOk) learn(oldest);
+  take(samples, oldest);
   next_ = (next_ + 1) % frames_.size();
   judge();
   return report_;

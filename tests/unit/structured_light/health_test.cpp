@@ -61,6 +61,53 @@ TEST(Health, TellsATurnOfATwentiethOfAPixelAndKeepsTelling) {
   EXPECT_EQ(state, State::kInvalid);  // an alarm stays until the sensor is started again
 }
 
+// Beams that are uncertain by more than the turn moves their dots, as errors of a calibration: they hide it from a
+// comparison with the calibration, and are learnt while nothing turns.
+TEST(Health, LearnsTheBeamsErrorsAndTellsASmallTurn) {
+  SensorWorld world = sensor_world({11, 11}, 12.0, 3e-4);
+  Random random(6);
+  for (LaserBeam& beam : world.calibration.laser->beams) {
+    Eigen::Vector4d error;
+    for (double& number : error) number = 3e-4 * random.normal();
+    beam.line = perturbed(beam.line, error);
+  }
+  const SensorTable table = sensor_table(world.calibration, "", {}, "a test");
+  StructuredLight sensor(table);
+  const Eigen::Vector3d still = Eigen::Vector3d::Zero(), turn(0.05 / 282.0, 0, 0);
+  for (int frame = 0; frame < 100; ++frame) {
+    const LaserFrame& seen = sensor.process(dots_of(world, still, random));
+    ASSERT_EQ(seen.state, State::kOk) << "frame " << frame << ", statistic " << seen.health.recent_statistic;
+  }
+  LaserFrame seen;
+  for (int frame = 0; frame < 10; ++frame) seen = sensor.process(dots_of(world, turn, random));
+  EXPECT_EQ(seen.state, State::kInvalid);
+  EXPECT_LT(seen.health.statistic, seen.health.threshold);
+  EXPECT_GT(seen.health.recent_statistic, seen.health.threshold);
+}
+
+TEST(BeamMemory, BeginsWithTheCalibrationAndComesToWhatItSees) {
+  const SensorTable table = sensor_table(sensor_world({11, 11}, 12.0, 1e-3).calibration, "", {}, "a test");
+  const BeamSet beams(table);
+  BeamMemory memory(beams, 300);
+  constexpr int kBeam = 40;
+  const auto along = [](int i) { return i % 2 == 0 ? -0.2 : 0.3; };  // places where dots are seen [m]
+  const double calibrated = beams.beams[kBeam].off_plane_variance(0.3, 2.0);
+  EXPECT_EQ(memory.off(kBeam, 0.3, 2.0).mean, 0.0);
+  EXPECT_NEAR(memory.off(kBeam, 0.3, 2.0).variance, calibrated, 1e-9);
+  Random random(8);
+  constexpr double kSigma = 3e-4;
+  for (int i = 0; i < 200; ++i) {
+    memory.fade();
+    const double off = 2.0 * (4e-4 - 1e-3 * along(i));
+    memory.learn(kBeam, along(i), 2.0, off + kSigma * random.normal(), kSigma * kSigma);
+  }
+  const BeamMemory::Off off = memory.off(kBeam, 0.1, 2.0);  // at another place
+  EXPECT_NEAR(off.mean, 2.0 * (4e-4 - 1e-3 * 0.1), 4.0 * std::sqrt(off.variance));
+  EXPECT_LT(off.variance, 0.02 * kSigma * kSigma);
+  for (int i = 0; i < 10000; ++i) memory.fade();
+  EXPECT_NEAR(memory.off(kBeam, 0.3, 2.0).variance, calibrated, 1e-9);
+}
+
 TEST(Health, IsDegradedWithoutDots) {
   const SensorWorld world = sensor_world({11, 11}, 12.0);
   const SensorTable table = sensor_table(world.calibration, "", {}, "a test");
