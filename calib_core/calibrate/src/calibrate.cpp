@@ -2,29 +2,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "raybundle/calibrate/calibrate.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 
 #include "cameras_alone.hpp"
 #include "content_order.hpp"
-#include "drag.hpp"
+#include "further_measurements.hpp"
 #include "joint_solve.hpp"
-#include "laser_stage.hpp"
 #include "raybundle/bundle/parameters.hpp"
 #include "raybundle/camera/injectivity.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/initialize/rig_start.hpp"
-#include "raybundle/uncertainty/corner_evidence.hpp"
-#include "raybundle/uncertainty/covariance.hpp"
-#include "raybundle/uncertainty/frame_covariance.hpp"
 #include "robust_solve.hpp"
 #include "stopwatch.hpp"
 #include "subproblem.hpp"
 #include "summary.hpp"
-#include "survey_stage.hpp"
 
 namespace raybundle {
 namespace {
@@ -49,124 +41,6 @@ BundleState rig_state(const CalibrationProblem& problem, const CamerasAlone& alo
   state.fates = fates;
   mark_projectable(problem, state);
   return state;
-}
-
-void fill_covariance(const CalibrationProblem& problem, const BundleState& state, const BundleOptions& options,
-                     CalibrationResult& result) {
-  const ReducedInformation information = reduced_information(problem, state, options);
-  const CovarianceResult known = covariance(information);
-  result.calibration.covariance = known.covariance;
-  result.variance_factor = known.variance_factor;
-  const std::vector<FrameInformation> frames = information_by_frame(problem, state, options);
-  result.calibration.covariance_by_frame = covariance_by_frame(information, frames);
-  if (result.calibration.covariance_by_frame) {
-    const auto warning = frame_scatter_warning(known.covariance, *result.calibration.covariance_by_frame,
-                                               static_cast<int>(frames.size()));
-    if (warning) result.warnings.push_back(*warning);
-  }
-  if (known.weak_parameters.empty()) return;
-  std::string weak;
-  bool extrinsic = false;
-  for (const std::string& name : known.weak_parameters) {
-    weak += (weak.empty() ? "" : ", ") + name;
-    extrinsic = extrinsic || name.find(".camera_from_rig.") != std::string::npos;
-  }
-  if (known.unseen && extrinsic) {
-    throw Error(ErrorKind::kNotEnoughData, "the views do not determine " + weak +
-                                               "; add frames in which all cameras see the board, at several tilts");
-  }
-  result.warnings.push_back("the views hardly tell these parameters apart: " + weak +
-                            "; pixels may still be predicted well. Add views with the board tilted, near and far, and "
-                            "in the corners of the image, or choose a model with fewer parameters");
-}
-
-// Cameras, boards and beams in one bundle, from cameras and boards that are solved.
-//
-// @throws Error(kNotEnoughData) with nothing changed
-void add_laser(const CalibrateOptions& options, const BundleOptions& bundle, double corner_scale,
-               CalibrationProblem& problem, BundleState& state, CalibrationResult& result) {
-  CalibrationResult with = result;
-  LaserSolve solve;
-  {
-    const Stopwatch stopwatch(with.stages, "laser");
-    solve = solve_with_dots(problem, state, corner_scale, options, bundle);
-  }
-  {
-    const Stopwatch stopwatch(with.stages, "uncertainty");
-    solve.laser.parameters = drag_of(problem, state, solve.state, bundle, result.calibration.covariance);
-    with.warnings.clear();  // those of the solve without dots; the covariance gives its own again
-    fill_covariance(solve.problem, solve.state, solve.bundle, with);
-    const RigCamera first{problem.cameras[0].name, solve.state.cameras[0], solve.state.camera_from_rig[0]};
-    fill_uncertainty(solve, with.calibration.covariance, with.variance_factor, first, solve.pattern);
-  }
-  with.variance_factor *= result.variance_factor;
-  with.calibration.laser = std::move(solve.pattern);
-  with.termination = solve.summary.termination;
-  with.iterations += solve.summary.iterations;
-  if (solve.laser.origin_guessed) {
-    with.warnings.push_back(
-        "which beam is which is guessed: the labels may all be off by the same rows and columns; say which beam a dot "
-        "belongs to (--anchor), or name the brightest or a missing beam");
-  }
-  if (const auto warning = drag_warning(solve.laser.parameters, "the laser's dots", "wrong labels")) {
-    with.warnings.push_back(*warning);
-  }
-  with.laser = std::move(solve.laser);
-  problem = std::move(solve.problem);
-  state = std::move(solve.state);
-  result = std::move(with);
-}
-
-// Landmarks join the bundle, in images of their own. What cannot be placed is told; without any the cameras remain.
-//
-// @param corner_scale  of the corners' residuals over the sigmas that they have; brought up to date
-// @return              target_from_local of the targets that were added
-std::vector<Rigid3> add_survey(const CalibrateOptions& options, const BundleOptions& bundle, double& corner_scale,
-                               CalibrationProblem& problem, BundleState& state, CalibrationResult& result) {
-  SurveySolve solve;
-  {
-    const Stopwatch stopwatch(result.stages, "survey");
-    solve = solve_with_landmarks(problem, state, result.calibration.covariance, corner_scale, options, bundle);
-  }
-  if (solve.images.empty()) {
-    std::ranges::copy(solve.not_placed, std::back_inserter(result.warnings));
-    return {};
-  }
-  const double before = result.variance_factor;
-  SurveySummary survey{std::move(solve.images),
-                       drag_of(problem, state, solve.state, bundle, result.calibration.covariance)};
-  result.warnings = solve.not_placed;  // the covariance gives its own again
-  {
-    const Stopwatch stopwatch(result.stages, "uncertainty");
-    fill_covariance(solve.problem, solve.state, bundle, result);
-  }
-  corner_scale = std::sqrt(result.variance_factor);
-  result.variance_factor *= before;
-  result.termination = solve.summary.termination;
-  result.iterations += solve.summary.iterations;
-  if (const auto warning = drag_warning(survey.parameters, "the landmarks", "wrong names or coordinates")) {
-    result.warnings.push_back(*warning);
-  }
-  result.survey = std::move(survey);
-  problem = std::move(solve.problem);
-  state = std::move(solve.state);
-  return solve.target_from_local;
-}
-
-// The dots of a laser join the bundle. Without beams the cameras remain.
-void try_laser(const CalibrateOptions& options, const BundleOptions& bundle, double corner_scale,
-               CalibrationProblem& problem, BundleState& state, CalibrationResult& result) {
-  if (!has_dots(problem)) {
-    result.warnings.push_back(
-        "no dot of the laser was found on a board; are the images with the laser on and off the same, or swapped?");
-    return;
-  }
-  try {
-    add_laser(options, bundle, corner_scale, problem, state, result);
-  } catch (const Error& error) {
-    if (error.kind() != ErrorKind::kNotEnoughData) throw;
-    result.warnings.push_back(std::string("the laser's beams could not be calibrated: ") + error.what());
-  }
 }
 
 // A lens that folds beyond the corners is an ordinary fisheye with its image circle; one that folds among them is
@@ -265,21 +139,11 @@ CalibrationResult calibrate_in_order(const CalibrationProblem& problem, const Ca
   result.termination = solve.summary.termination;
   result.iterations = solve.summary.iterations;
 
-  double corner_scale = std::sqrt(result.variance_factor);
-  std::vector<Rigid3> target_from_local;
-  if (sub.problem.survey) {
-    target_from_local = add_survey(options, bundle, corner_scale, sub.problem, state, result);
-  }
-  if (sub.problem.laser) try_laser(options, bundle, corner_scale, sub.problem, state, result);
-  if (result.survey) {
-    fill_residuals(sub.problem, state, target_from_local, result.survey->images);
-    leave_out_landmarks(target_from_local.size(), sub.problem, state);
-  }
+  std::vector<std::optional<CornerEvidence>> evidence;
+  add_further_measurements(options, bundle, sub.problem, state, result, evidence);
 
   fill_result(sub.problem, state, result);
-  for (std::size_t c = 0; c < cameras.size(); ++c) {
-    result.calibration.cameras[c].evidence = corner_evidence(sub.problem, state, static_cast<int>(c));
-  }
+  for (std::size_t c = 0; c < cameras.size(); ++c) result.calibration.cameras[c].evidence = evidence[c];
   for (std::size_t v = 0; v < sub.views.size(); ++v) result.views[v].symmetry = rig.symmetry_of_view[v];
   warn_of_folds(sub.problem, state, result);
   std::ranges::copy_if(solve.ties.untied, std::back_inserter(result.set_aside),
