@@ -102,25 +102,33 @@ Score score_of(const Scene& scene, const cv::Mat& disparity_px) {
           static_cast<double>(wrong) / static_cast<double>(std::max(1L, matched))};
 }
 
-Score ours(const Scene& scene, double uniqueness) {
-  MatchOptions options;
+Score ours(const Scene& scene, MatchOptions options) {
   options.disparities = scene.disparities;
-  options.uniqueness = uniqueness;
   Matcher matcher({scene.left.cols, scene.left.rows}, options);
   const DisparityView view = matcher.match(view_of(scene.left), view_of(scene.right));
   return score_of(scene,
                   cv::Mat(scene.left.rows, scene.left.cols, CV_32F, const_cast<float*>(view.disparity_px.pixels)));
 }
 
-// Our wrong matches when the uniqueness is such that as many pixels are matched, or as many as there can be.
-Score ours_at_density(const Scene& scene, double density) {
-  double low = 0.0, high = 1.0;
-  if (ours(scene, low).density <= density) return ours(scene, low);
-  for (int i = 0; i < 9; ++i) {
+// Our filters from strict to loose: first the uniqueness goes down from 1 to 0, then the small regions come in, then
+// those that both directions agree on to 2 px only.
+MatchOptions at_looseness(double looseness, MatchOptions options) {
+  options.uniqueness = std::max(0.0, 1.0 - looseness);
+  options.least_region_px =
+      static_cast<int>(std::lround(options.least_region_px * std::clamp(2.0 - looseness, 0.0, 1.0)));
+  if (looseness > 2.0) options.left_right_px = 2;
+  return options;
+}
+
+// Our wrong matches when the filters are such that as many pixels are matched, or as many as there can be.
+Score ours_at_density(const Scene& scene, double density, const MatchOptions& options) {
+  double low = 0.0, high = 2.01;
+  if (ours(scene, at_looseness(high, options)).density <= density) return ours(scene, at_looseness(high, options));
+  for (int i = 0; i < 8; ++i) {
     const double middle = 0.5 * (low + high);
-    (ours(scene, middle).density >= density ? low : high) = middle;
+    (ours(scene, at_looseness(middle, options)).density < density ? low : high) = middle;
   }
-  return ours(scene, low);
+  return ours(scene, at_looseness(high, options));
 }
 
 struct Peer {
@@ -142,6 +150,13 @@ cv::Mat computed(cv::StereoMatcher& matcher, const Scene& scene) {
   return disparity_px;
 }
 
+// Ours as it comes; beyond 128 disparities from coarse to fine, as the program does it.
+MatchOptions options_for(const Scene& scene) {
+  MatchOptions options;
+  options.coarse_levels = coarse_levels_for(scene.disparities);
+  return options;
+}
+
 void print_quality(const std::string& data) {
   const Scene cones =
       scene_from("cones", data + "/cones_left.png", data + "/cones_right.png", data + "/cones_gt.png", 64);
@@ -151,13 +166,15 @@ void print_quality(const std::string& data) {
              "ours: wrong");
   for (const Scene& plain : {cones, halved(aloe), aloe}) {
     for (const Scene& scene : {plain, disturbed(plain)}) {
+      const MatchOptions options = options_for(scene);
       for (const Peer& peer : peers(scene.disparities)) {
         const Score other = score_of(scene, computed(*peer.matcher, scene));
-        const Score own = ours_at_density(scene, other.density);
+        const Score own = ours_at_density(scene, other.density, options);
         const bool better = own.wrong < other.wrong && own.density >= other.density - 0.002;
         fmt::print("{:<24} {:<16} {:>7.2f} % {:>6.2f} % {:>12.2f} % {:>10.2f} %  {}\n", scene.name, peer.name,
                    100 * other.density, 100 * other.wrong, 100 * own.density, 100 * own.wrong,
                    better ? "better" : "NOT better");
+        std::fflush(stdout);
       }
     }
   }

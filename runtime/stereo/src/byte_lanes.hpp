@@ -51,8 +51,8 @@ struct PlainBytes {
   friend PlainBytes most(PlainBytes a, PlainBytes b) {
     return each(a, b, [](int x, int y) { return std::max(x, y); });
   }
-  friend PlainBytes average(PlainBytes a, PlainBytes b) {  // halves are rounded up
-    return each(a, b, [](int x, int y) { return (x + y + 1) / 2; });
+  friend PlainBytes quarter(PlainBytes a) {  // rounded down
+    return each(a, a, [](int x, int) { return x / 4; });
   }
   friend PlainBytes operator|(PlainBytes a, PlainBytes b) {
     return each(a, b, [](int x, int y) { return x | y; });
@@ -104,7 +104,9 @@ struct Avx2Bytes {
   friend Avx2Bytes subtract(Avx2Bytes a, Avx2Bytes b) { return {_mm256_sub_epi8(a.lane, b.lane)}; }
   friend Avx2Bytes least(Avx2Bytes a, Avx2Bytes b) { return {_mm256_min_epu8(a.lane, b.lane)}; }
   friend Avx2Bytes most(Avx2Bytes a, Avx2Bytes b) { return {_mm256_max_epu8(a.lane, b.lane)}; }
-  friend Avx2Bytes average(Avx2Bytes a, Avx2Bytes b) { return {_mm256_avg_epu8(a.lane, b.lane)}; }
+  friend Avx2Bytes quarter(Avx2Bytes a) {
+    return {_mm256_and_si256(_mm256_srli_epi16(a.lane, 2), _mm256_set1_epi8(63))};
+  }
   friend Avx2Bytes operator|(Avx2Bytes a, Avx2Bytes b) { return {_mm256_or_si256(a.lane, b.lane)}; }
   friend Avx2Bytes operator&(Avx2Bytes a, Avx2Bytes b) { return {_mm256_and_si256(a.lane, b.lane)}; }
   friend Avx2Bytes at_least(Avx2Bytes a, Avx2Bytes b) { return {_mm256_cmpeq_epi8(most(a, b).lane, a.lane)}; }

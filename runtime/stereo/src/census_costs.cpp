@@ -6,11 +6,13 @@
 #include <bit>
 #include <cstdlib>
 
+#include "byte_lanes.hpp"
+
 namespace raybundle {
 namespace {
 
-// Costs are scaled to about this, so that sums along paths that deserve it stay below 255 and fractions are kept.
-constexpr int kScale = 48;
+constexpr int kMostByte = 255;
+constexpr int kMostWide = 240;  // what sums that do not fit into bytes are scaled to
 
 int radius_of(const CensusMask& mask) {
   int radius = 0;
@@ -18,7 +20,11 @@ int radius_of(const CensusMask& mask) {
   return radius;
 }
 
-int cost_of_bit(const CensusMask& mask) { return std::max(1, kScale / static_cast<int>(mask.size())); }
+// Weight of a bit, so that fractions are kept as far as bytes can hold them.
+int cost_of_bit(const MatchOptions& options) {
+  const int bits = static_cast<int>(options.mask.size()) * options.window_px * options.window_px;
+  return std::max(1, kMostByte / bits);
+}
 
 }  // namespace
 
@@ -26,55 +32,87 @@ CensusCosts::CensusCosts(ImageSize size, int lanes, const MatchOptions& options,
     : size_(size),
       lanes_(lanes),
       planes_((static_cast<int>(options.mask.size()) + 3) / 4),
-      least_disparity_(options.least_disparity),
-      window_px_(options.window_px),
-      most_(cost_of_bit(options.mask) * static_cast<int>(options.mask.size())),
-      plane_stride_(size.width + 2 * PaddedImage::kLanes + options.least_disparity + lanes),
+      radius_(options.window_px / 2),
+      most_bits_(cost_of_bit(options) * static_cast<int>(options.mask.size())),
+      wide_(most_bits_ * options.window_px * options.window_px > kMostByte),
+      most_(wide_ ? kMostWide : most_bits_ * options.window_px * options.window_px),
+      plane_stride_(static_cast<std::ptrdiff_t>(RightLimits::mirrored_length(size.width, lanes)) + kLanes),
       kernels_(kernels),
       left_(size, radius_of(options.mask)),
-      right_(size, radius_of(options.mask)) {
+      right_(size, radius_of(options.mask)),
+      limits_(size.width, lanes, most_bits_) {
   for (const auto& [x, y] : options.mask) {
     left_offsets_.push_back(y * left_.stride() + x);
     right_offsets_.push_back(y * right_.stride() - x);
   }
   for (unsigned nibble = 0; nibble < 16; ++nibble) {
-    nibble_costs_[nibble] = static_cast<std::uint8_t>(cost_of_bit(options.mask) * std::popcount(nibble));
+    nibble_costs_[nibble] = static_cast<std::uint8_t>(cost_of_bit(options) * std::popcount(nibble));
   }
   left_codes_.resize(static_cast<std::size_t>(plane_stride_ * planes_));
   right_codes_.resize(static_cast<std::size_t>(plane_stride_ * planes_));
-  right_limits_.assign(static_cast<std::size_t>(plane_stride_), static_cast<std::uint8_t>(most_));
   const std::size_t columns = static_cast<std::size_t>(size.width) * lanes;
-  for (auto& row : raw_) row.resize(columns);
-  smooth_.resize(columns);
+  bits_.assign(static_cast<std::size_t>(options.window_px + 1), std::vector<std::uint8_t>(columns));
+  if (radius_ == 0) return;
+  no_bits_.resize(columns);
+  costs_.resize(columns);
+  if (wide_) {
+    wide_sums_.resize(columns);
+    wide_window_.resize(static_cast<std::size_t>(lanes));
+  } else {
+    sums_.resize(columns);
+  }
 }
 
-void CensusCosts::begin(GreyView left, GreyView right) {
-  left_.fill(left, false);
-  right_.fill(right, true);
+void CensusCosts::begin(const SearchedPair& pair) {
+  pair_ = pair;
+  left_.fill(pair.left, false);
+  right_.fill(pair.right, true);
+  std::fill(sums_.begin(), sums_.end(), std::uint8_t{0});
+  std::fill(wide_sums_.begin(), wide_sums_.end(), std::uint16_t{0});
 }
 
-void CensusCosts::fill_raw(int v, const std::uint8_t* right_covered) {
+void CensusCosts::fill_bits(int v) {
   kernels_.census({left_.row(v), left_offsets_, size_.width, left_codes_.data(), plane_stride_});
   kernels_.census({right_.row(v), right_offsets_, size_.width, right_codes_.data(), plane_stride_});
-  for (int x = 0; x < size_.width; ++x) {
-    const bool covered =
-        right_covered == nullptr || right_covered[static_cast<std::ptrdiff_t>(v) * size_.width + x] != 0;
-    right_limits_[static_cast<std::size_t>(size_.width - 1 - x)] = static_cast<std::uint8_t>(covered ? 0 : most_);
-  }
-  kernels_.census_costs({size_.width, lanes_, planes_, plane_stride_, nibble_costs_, left_codes_.data(),
-                         right_codes_.data() + least_disparity_, right_limits_.data() + least_disparity_, raw(v)});
+  limits_.fill(v, pair_.right_covered);
+  kernels_.census_costs({size_.width, lanes_, planes_, plane_stride_, nibble_costs_, pair_.first.row(v),
+                         left_codes_.data(), right_codes_.data(), limits_.mirrored(), bits(v)});
 }
 
-const std::uint8_t* CensusCosts::row(int v, const std::uint8_t* right_covered) {
-  if (window_px_ == 1) {
-    fill_raw(v, right_covered);
-    return raw(v);
+void CensusCosts::enter(const std::uint8_t* enters, const std::uint8_t* leaves) {
+  const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(size_.width) * lanes_;
+  if (wide_) {
+    kernels_.enter_wide({count, enters, leaves, wide_sums_.data()});
+  } else {
+    kernels_.enter({count, enters, leaves, sums_.data()});
   }
-  if (v == 0) fill_raw(0, right_covered);
-  const bool last = v + 1 == size_.height;
-  if (!last) fill_raw(v + 1, right_covered);
-  kernels_.smooth({size_.width, lanes_, {raw(v == 0 ? 0 : v - 1), raw(v), raw(last ? v : v + 1)}, smooth_.data()});
-  return smooth_.data();
+}
+
+const std::uint8_t* CensusCosts::row(int v) {
+  if (radius_ == 0) {
+    fill_bits(v);
+    return bits(v);
+  }
+  const int last = size_.height - 1;
+  if (v == 0) {  // the rows above the image are as its first one
+    fill_bits(0);
+    for (int k = 0; k <= radius_; ++k) enter(bits(0), no_bits_.data());
+    for (int k = 1; k <= radius_; ++k) {
+      if (k <= last) fill_bits(k);
+      enter(bits(std::min(k, last)), no_bits_.data());
+    }
+  } else {
+    if (v + radius_ <= last) fill_bits(v + radius_);
+    enter(bits(std::min(v + radius_, last)), bits(std::max(v - radius_ - 1, 0)));
+  }
+  if (wide_) {
+    const auto factor =
+        static_cast<std::uint32_t>((kMostWide << 16) / (most_bits_ * (2 * radius_ + 1) * (2 * radius_ + 1)));
+    kernels_.window_wide({size_.width, lanes_, radius_, factor, wide_sums_.data(), wide_window_.data(), costs_.data()});
+  } else {
+    kernels_.window({size_.width, lanes_, radius_, 0, sums_.data(), nullptr, costs_.data()});
+  }
+  return costs_.data();
 }
 
 }  // namespace raybundle

@@ -19,6 +19,24 @@ CensusMask square_mask(int side_px, Keep&& keep) {
 
 }  // namespace
 
+std::string_view match_cost_name(MatchCost cost) {
+  constexpr std::array<std::string_view, kMatchCosts.size()> kNames{"census", "ssd", "zncc"};
+  return kNames[static_cast<std::size_t>(cost)];
+}
+
+std::optional<MatchCost> match_cost_named(std::string_view name) {
+  for (const MatchCost cost : kMatchCosts) {
+    if (match_cost_name(cost) == name) return cost;
+  }
+  return std::nullopt;
+}
+
+int coarse_levels_for(int disparities) {
+  int levels = 0;
+  while (disparities >> levels > 128) ++levels;
+  return levels;
+}
+
 CensusMask dense_census(int side_px) {
   return square_mask(side_px, [](int, int) { return true; });
 }

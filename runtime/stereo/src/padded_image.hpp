@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "byte_lanes.hpp"
 #include "raybundle/camera/camera.hpp"
 #include "raybundle/device/image_view.hpp"
 
@@ -16,8 +17,6 @@ namespace raybundle {
 /// can be read up to the next multiple of kLanes pixels.
 class PaddedImage {
  public:
-  static constexpr int kLanes = 32;
-
   PaddedImage(ImageSize size, int rim_px)
       : size_(size),
         rim_(rim_px),

@@ -9,10 +9,16 @@
 
 #include "raybundle/stereo/simd.hpp"
 
-// The inner loops of matching, one image row at a time. All numbers are bytes; the disparities of a pixel lie beside
-// each other. A "column" is what belongs to one pixel: `lanes` disparities, a multiple of 32.
+// The inner loops of matching, one image row at a time. The disparities of a pixel lie beside each other. A "column" is
+// what belongs to one pixel: `lanes` disparities, a multiple of 32, from the pixel's first disparity on.
+//
+// Rows of the right image are mirrored, so that disparities ascend: the partner of pixel x at disparity d stands at
+// index width - 1 - x + d.
 
 namespace raybundle {
+
+/// Costs of a window are counted in quarters of what paths add up.
+inline constexpr int kFineCosts = 4;
 
 /// Where a census bit compares: the neighbour's pixel minus the centre's, as an offset into the padded image.
 struct CensusRow {
@@ -23,62 +29,129 @@ struct CensusRow {
   std::ptrdiff_t plane_stride = 0;
 };
 
-/// Matching costs of a row: for each pixel and disparity, the census bits that differ, weighted.
+/// Census bits that differ, weighted, for each pixel and disparity of a row.
 struct CensusCostRow {
   int width = 0;
   int lanes = 0;
   int planes = 0;
   std::ptrdiff_t plane_stride = 0;
   std::array<std::uint8_t, 16> nibble_costs{};  ///< of the bits in which two nibbles differ
+  const std::int16_t* first = nullptr;          ///< first disparity of each pixel
   const std::uint8_t* left_codes = nullptr;
-  /// Mirrored, so that disparities ascend: of pixel x and disparity d at index width - 1 - x + d.
-  const std::uint8_t* right_codes = nullptr;
+  const std::uint8_t* right_codes = nullptr;   ///< mirrored
   const std::uint8_t* right_limits = nullptr;  ///< mirrored; least cost of a match with that pixel: 0, or the most
   std::uint8_t* costs = nullptr;               ///< width columns
 };
 
-/// Costs averaged over 3 × 3 pixels with the weights 1 2 1 in rows and columns.
-struct SmoothRow {
+/// A sum over rows moves down: one row enters, another one leaves.
+template <typename Sum>
+struct EnterRow {
+  std::ptrdiff_t count = 0;  ///< width × lanes
+  const std::uint8_t* enters = nullptr;
+  const std::uint8_t* leaves = nullptr;
+  Sum* sums = nullptr;
+};
+
+/// Sums over rows become sums over windows.
+template <typename Sum>
+struct WindowRow {
   int width = 0;
   int lanes = 0;
-  const std::uint8_t* from[3] = {};  ///< costs of the rows above, here and below
-  std::uint8_t* costs = nullptr;
+  int radius = 0;
+  std::uint32_t factor = 0;  ///< of 16-bit sums: cost = sum · factor / 65536
+  const Sum* sums = nullptr;
+  Sum* window = nullptr;          ///< one column, of 16-bit sums
+  std::uint8_t* costs = nullptr;  ///< width columns
+};
+
+/// Sums over the pixels of a column of a window, which a row enters or leaves: squared differences, or what a
+/// correlation needs.
+struct ProductRow {
+  int width = 0;
+  int lanes = 0;
+  bool enters = true;                   ///< else it leaves
+  const std::int16_t* first = nullptr;  ///< first disparity of each pixel
+  const std::uint8_t* left = nullptr;
+  const std::uint8_t* right = nullptr;  ///< mirrored
+  std::int32_t* sums = nullptr;         ///< width columns of each sum, `sum_stride` apart
+  std::ptrdiff_t sum_stride = 0;
+};
+
+/// Sums of products over windows become costs.
+struct ProductCostRow {
+  int width = 0;
+  int lanes = 0;
+  int radius = 0;
+  float scale = 0.0F;  ///< of a sum of squared differences: cost = scale · sum
+  float most = 0.0F;   ///< cost
+  const std::int16_t* first = nullptr;
+  const std::int32_t* left_sums = nullptr;     ///< of a correlation: grey values over the window of each pixel
+  const std::int32_t* left_squares = nullptr;  ///< the same of their squares
+  const std::uint8_t* right_limits = nullptr;  ///< mirrored
+  const std::int32_t* sums = nullptr;
+  std::ptrdiff_t sum_stride = 0;
+  std::int32_t* window = nullptr;  ///< one column of each sum
+  std::uint8_t* costs = nullptr;   ///< width columns
 };
 
 /// What is known of the best disparity of each pixel of a row.
 struct BestRow {
-  std::uint8_t* disparity = nullptr;
-  std::uint8_t* sum = nullptr;     ///< the least
-  std::uint8_t* second = nullptr;  ///< least sum of all disparities but the best and its two neighbours
-  std::uint8_t* before = nullptr;  ///< cost, before it was gathered, at disparity - 1; 255 where there is none
+  std::uint8_t* disparity = nullptr;  ///< from the pixel's first one on
+  std::uint8_t* sum = nullptr;        ///< the least
+  std::uint8_t* second = nullptr;     ///< least sum of all disparities but the best and its two neighbours
+  std::uint8_t* before = nullptr;  ///< cost, before it was gathered, at disparity - 1, or at the disparity if it is 0
   std::uint8_t* cost = nullptr;    ///< the same at the disparity
-  std::uint8_t* after = nullptr;   ///< the same at disparity + 1; 255 where there is none
+  std::uint8_t* after = nullptr;   ///< the same at disparity + 1, or at the disparity if it is the last lane
 };
 
-/// Costs of a row, gathered along paths that end in each pixel.
+/// What becomes of each pixel of a row. Values of Match: as matcher.hpp has them.
+struct JudgeRow {
+  int width = 0;
+  int last = 0;                                ///< disparity beyond which nothing was searched
+  int least = 0;                               ///< disparity below which there is nothing to search
+  int uniqueness = 0, strength = 0, peak = 0;  ///< limits; a peak below -255 takes all
+  const std::uint8_t* covered = nullptr;       ///< 0: uncovered
+  const std::uint8_t* agrees = nullptr;        ///< 0: the right image disagrees
+  const std::int16_t* first = nullptr;         ///< first disparity of each pixel
+  BestRow best;
+  float* disparity_px = nullptr;
+  std::uint8_t* match = nullptr;
+};
+
+/// Costs of a row, gathered along paths that end in each pixel. A large step of 0 begins a path.
 struct PathRow {
   int width = 0;
   int lanes = 0;
-  int disparities = 0;                  ///< at most lanes; the others are never best
-  int row = 0;                          ///< of the image, from 0
-  std::uint8_t small_step = 0;          ///< cost of a disparity that changes by one from pixel to pixel
-  std::uint8_t large_step = 0;          ///< cost of one that changes by more
-  const std::uint8_t* costs = nullptr;  ///< width columns
-  std::uint8_t* sums = nullptr;         ///< width columns, 32 bytes of 255 before and behind
-  std::uint8_t* above[3] = {};          ///< state of the paths from above: width columns, each followed by 32 × 255,
-                                        ///< and 32 × 255 before the first
+  int disparities = 0;                         ///< at most lanes; the others are never best
+  std::uint8_t small_step = 0;                 ///< cost of a disparity that changes by one from pixel to pixel
+  const std::uint8_t* large_across = nullptr;  ///< cost of one that changes by more, from pixel x - 1 to x; width + 1
+  const std::uint8_t* large_along = nullptr;   ///< the same from the row before to this one
+  const std::uint8_t* costs = nullptr;         ///< width columns, fine
+  std::uint8_t* from_left = nullptr;           ///< width columns: sums of the paths from the left
+  std::uint8_t* from_right = nullptr;          ///< the same from the right
+  std::uint8_t* along = nullptr;               ///< state of the paths along columns: as PathState has it
+  std::uint8_t* sums = nullptr;  ///< width columns for the sums of all paths, or nullptr: the best is taken
   BestRow best;
 };
 
 struct RowKernels {
   void (*census)(const CensusRow& row);
   void (*census_costs)(const CensusCostRow& row);
-  void (*smooth)(const SmoothRow& row);
-  /// Adds up the paths from the left, from above (straight and along both diagonals) and from the right, and takes the
-  /// best disparity of each pixel.
-  void (*paths)(const PathRow& row);
+  void (*enter)(const EnterRow<std::uint8_t>& row);
+  void (*enter_wide)(const EnterRow<std::uint16_t>& row);
+  void (*window)(const WindowRow<std::uint8_t>& row);
+  void (*window_wide)(const WindowRow<std::uint16_t>& row);
+  void (*squares)(const ProductRow& row);
+  void (*correlation)(const ProductRow& row);
+  void (*square_costs)(const ProductCostRow& row);
+  void (*correlation_costs)(const ProductCostRow& row);
+  /// Paths from the left and from the right.
+  void (*across)(const PathRow& row);
+  /// Adds the paths from the row before to those in from_left and from_right.
+  void (*along)(const PathRow& row);
   /// Takes the best disparity from the costs alone.
   void (*best)(const PathRow& row);
+  void (*judge)(const JudgeRow& row);
 };
 
 const RowKernels& row_kernels(Simd simd);

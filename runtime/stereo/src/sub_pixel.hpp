@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 
 namespace raybundle {
 
@@ -12,13 +11,12 @@ namespace raybundle {
 ///
 /// Two lines of opposite slope through the three costs, as fits costs that count: a parabola would pull towards whole
 /// pixels by 0.1 px. What pull is left (0.03 px at most: the curve that prove_stereo prints) is added back.
-inline float sub_pixel(std::uint8_t before, std::uint8_t cost, std::uint8_t after) {
-  constexpr std::uint8_t kNone = 255;
+inline float sub_pixel(int before, int cost, int after) {
   const int low = before - cost;
   const int high = after - cost;
-  const int steep = std::max(low, high);
-  if (before == kNone || after == kNone || steep <= 0) return 0.0F;
-  const float fitted = std::clamp(0.5F * static_cast<float>(low - high) / static_cast<float>(steep), -0.5F, 0.5F);
+  const int steep = std::max(std::max(low, high), 1);
+  const float fitted =
+      std::min(std::max(0.5F * static_cast<float>(low - high) / static_cast<float>(steep), -0.5F), 0.5F);
   constexpr float kPull = 0.24F;
   return fitted + kPull * fitted * (1.0F - 2.0F * std::abs(fitted));
 }

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "raybundle/geometry/error.hpp"
@@ -47,11 +49,20 @@ Pair textured_pair(ImageSize size, unsigned seed) {
   return pair;
 }
 
-// Sums along five paths and the disparity of the least one, straight from the definition.
+// What a step of disparity costs along a path: less where the grey values jump.
+int large_step(const Pair& pair, const MatchOptions& options, int most, int u, int v, int from_u, int from_v) {
+  const double edge = 1.0 + std::abs(pair.left.at(u, v) - pair.left.at(from_u, from_v)) / options.edge_grey;
+  return static_cast<int>(
+      std::lround(std::max(std::round(options.small_step * most) + 1, options.large_step * most / edge)));
+}
+
+// Sums along the paths and the disparity of the least one, straight from the definition. Disparities up to the next
+// size of columns take part, but are never best.
 std::vector<int> slow_disparities(const Pair& pair, const MatchOptions& options) {
   const auto [width, height] = pair.left.size;
-  const int count = options.disparities;
-  constexpr int bit_cost = 2;  // of a mask of 24
+  int count = 256;
+  for (const int lanes : {192, 128, 96, 64, 32}) count = options.disparities <= lanes ? lanes : count;
+  const int bit_cost = 255 / static_cast<int>(options.mask.size());
   const auto index = [&](int u, int v, int d) { return (static_cast<std::size_t>(v) * width + u) * count + d; };
   std::vector<int> costs(index(0, height, 0));
   for (int v = 0; v < height; ++v) {
@@ -64,34 +75,38 @@ std::vector<int> slow_disparities(const Pair& pair, const MatchOptions& options)
           const bool in_right = pair.right.at(right + x, v + y) >= pair.right.at(right, v);
           differing += right < 0 || in_left != in_right;
         }
-        costs[index(u, v, d)] = bit_cost * differing;
+        costs[index(u, v, d)] = bit_cost * differing / 4;  // paths count in units of four
       }
     }
   }
-  const int most = bit_cost * static_cast<int>(options.mask.size());
+  const double most = bit_cost * static_cast<double>(options.mask.size()) / 4;
   const int small_step = static_cast<int>(std::lround(options.small_step * most));
-  const int large_step = static_cast<int>(std::lround(options.large_step * most));
-  constexpr std::array<std::array<int, 2>, 5> kBefore{{{-1, 0}, {0, -1}, {-1, -1}, {1, -1}, {1, 0}}};
+  std::vector<std::array<int, 2>> from{{-1, 0}, {1, 0}, {0, -1}};
+  if (options.paths == 4) from.push_back({0, 1});
   std::vector<int> sums(costs.size(), 0);
-  for (const auto& [x, y] : kBefore) {
+  for (const auto& [x, y] : from) {
     std::vector<int> path(costs.size(), 0);
-    for (int v = 0; v < height; ++v) {
+    for (int j = 0; j < height; ++j) {
+      const int v = y > 0 ? height - 1 - j : j;
       for (int i = 0; i < width; ++i) {
-        const int u = x > 0 && y == 0 ? width - 1 - i : i;
-        const bool starts = u + x < 0 || u + x >= width || v + y < 0;
-        int least = std::numeric_limits<int>::max();
+        const int u = x > 0 ? width - 1 - i : i;
+        const bool starts = u + x < 0 || u + x >= width || v + y < 0 || v + y >= height;
+        int least = 0;
+        if (!starts) {
+          const auto begin = path.begin() + static_cast<std::ptrdiff_t>(index(u + x, v + y, 0));
+          least = *std::min_element(begin, begin + count);
+        }
         for (int d = 0; d < count; ++d) {
           int way = 0;
           if (!starts) {
-            const auto before = [&](int e) { return path[index(u + x, v + y, e)]; };
-            way = std::min(before(d), large_step);
+            const auto before = [&](int e) { return path[index(u + x, v + y, e)] - least; };
+            way = std::min(before(d), large_step(pair, options, static_cast<int>(most), u, v, u + x, v + y));
             if (d > 0) way = std::min(way, before(d - 1) + small_step);
             if (d + 1 < count) way = std::min(way, before(d + 1) + small_step);
           }
           path[index(u, v, d)] = costs[index(u, v, d)] + way;
-          least = std::min(least, path[index(u, v, d)]);
+          sums[index(u, v, d)] += path[index(u, v, d)];
         }
-        for (int d = 0; d < count; ++d) sums[index(u, v, d)] += path[index(u, v, d)] -= least;
       }
     }
   }
@@ -99,7 +114,8 @@ std::vector<int> slow_disparities(const Pair& pair, const MatchOptions& options)
   for (int v = 0; v < height; ++v) {
     for (int u = 0; u < width; ++u) {
       const auto begin = sums.begin() + static_cast<std::ptrdiff_t>(index(u, v, 0));
-      best.push_back(static_cast<int>(std::min_element(begin, begin + count) - begin) + options.least_disparity);
+      best.push_back(static_cast<int>(std::min_element(begin, begin + options.disparities) - begin) +
+                     options.least_disparity);
     }
   }
   return best;
@@ -122,51 +138,72 @@ struct EachSize : testing::TestWithParam<Case> {
 
 TEST_P(EachSize, TheBestDisparityIsTheOneOfTheDefinition) {
   const Pair pair = textured_pair(GetParam().size, 5);
-  MatchOptions options = this->options();
-  options.window_px = 1;  // averages are rounded: the definition has none
-  options.uniqueness = 0.0;
-  options.least_region_px = 0;
-  Matcher matcher(GetParam().size, options);
-  const DisparityView view = matcher.match(pair.left.view(), pair.right.view());
-  const std::vector<int> expected = slow_disparities(pair, options);
-  int compared = 0;
-  for (std::size_t i = 0; i < expected.size(); ++i) {
-    if (view.match.pixels[i] != static_cast<std::uint8_t>(Match::kMatched)) continue;
-    ASSERT_LE(std::abs(view.disparity_px.pixels[i] - static_cast<float>(expected[i])), 0.501F)
-        << i;  // the rest is sub-pixel
-    ++compared;
+  for (const int paths : {3, 4}) {
+    MatchOptions options = this->options();
+    options.paths = paths;
+    options.window_px = 1;
+    options.uniqueness = 0.0;
+    options.left_right_px = -1;
+    options.least_region_px = 0;
+    Matcher matcher(GetParam().size, options);
+    const DisparityView view = matcher.match(pair.left.view(), pair.right.view());
+    const std::vector<int> expected = slow_disparities(pair, options);
+    int compared = 0;
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      if (view.match.pixels[i] != static_cast<std::uint8_t>(Match::kMatched)) continue;
+      ASSERT_LE(std::abs(view.disparity_px.pixels[i] - static_cast<float>(expected[i])), 0.501F)
+          << i;  // the rest is sub-pixel
+      ++compared;
+    }
+    EXPECT_GT(compared, static_cast<int>(expected.size()) / 2);
   }
-  EXPECT_GT(compared, static_cast<int>(expected.size()) / 2);
+}
+
+std::vector<float> disparities_of(const Pair& pair, const MatchOptions& options) {
+  Matcher matcher(pair.left.size, options);
+  const DisparityView view = matcher.match(pair.left.view(), pair.right.view());
+  return {view.disparity_px.pixels, view.disparity_px.pixels + view.disparity_px.width * view.disparity_px.height};
+}
+
+// All costs, windows whose sums fit into bytes and such whose do not, paths and levels.
+std::vector<MatchOptions> many_options(const MatchOptions& base) {
+  std::vector<MatchOptions> all;
+  for (const MatchCost cost : kMatchCosts) {
+    for (const int window_px : {1, 5, 9}) {
+      all.push_back(base);
+      all.back().cost = cost;
+      all.back().window_px = window_px;
+    }
+  }
+  for (const int paths : {0, 4}) {
+    all.push_back(base);
+    all.back().paths = paths;
+  }
+  all.push_back(base);
+  all.back().mask = sparse_census(11);
+  return all;
 }
 
 TEST_P(EachSize, AllInstructionsGiveTheSameBits) {
   const Pair pair = textured_pair(GetParam().size, 6);
-  MatchOptions options = this->options();
-  Matcher fast(GetParam().size, options);
-  options.simd = Simd::kNone;
-  Matcher plain(GetParam().size, options);
-  const DisparityView a = fast.match(pair.left.view(), pair.right.view());
-  const DisparityView b = plain.match(pair.left.view(), pair.right.view());
-  EXPECT_EQ(a.matched, b.matched);
-  EXPECT_GT(a.matched, 0);
-  const std::size_t count = static_cast<std::size_t>(GetParam().size.width) * GetParam().size.height;
-  for (std::size_t i = 0; i < count; ++i) {
-    ASSERT_EQ(a.disparity_px.pixels[i], b.disparity_px.pixels[i]);
-    ASSERT_EQ(a.match.pixels[i], b.match.pixels[i]);
+  for (MatchOptions options : many_options(this->options())) {
+    SCOPED_TRACE(std::string(match_cost_name(options.cost)) + " window " + std::to_string(options.window_px));
+    const std::vector<float> fast = disparities_of(pair, options);
+    options.simd = Simd::kNone;
+    EXPECT_EQ(fast, disparities_of(pair, options));
   }
 }
 
 TEST_P(EachSize, TheSecondCallKnowsNothingOfTheFirst) {
   const Pair pair = textured_pair(GetParam().size, 7);
   const Pair other = textured_pair(GetParam().size, 8);
-  Matcher matcher(GetParam().size, options());
-  const auto copy = [](const DisparityView& view) {
-    return std::vector<float>(view.disparity_px.pixels,
-                              view.disparity_px.pixels + view.disparity_px.width * view.disparity_px.height);
-  };
-  const std::vector<float> first = copy(matcher.match(pair.left.view(), pair.right.view()));
-  matcher.match(other.left.view(), other.right.view());
-  EXPECT_EQ(copy(matcher.match(pair.left.view(), pair.right.view())), first);
+  for (const MatchOptions& options : many_options(this->options())) {
+    Matcher matcher(GetParam().size, options);
+    matcher.match(other.left.view(), other.right.view());
+    const DisparityView view = matcher.match(pair.left.view(), pair.right.view());
+    EXPECT_TRUE(std::ranges::equal(disparities_of(pair, options),
+                                   std::span(view.disparity_px.pixels, pair.left.pixels.size())));
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, EachSize,
@@ -182,6 +219,83 @@ TEST(Matcher, SaysWhatIsWrongWithItsOptions) {
   options.mask.clear();
   EXPECT_THROW(Matcher({64, 64}, options), Error);
   EXPECT_THROW(Matcher({4, 64}, MatchOptions{}), Error);
+}
+
+// The right image as another camera would see it.
+Pair seen_as(Pair pair, double gain, double offset, double gamma) {
+  for (auto& pixel : pair.right.pixels) {
+    pixel = static_cast<std::uint8_t>(std::lround(offset + gain * 110.0 * std::pow(pixel / 110.0, gamma)));
+  }
+  return pair;
+}
+
+// Right pixels of few, small and even grey values, so that no change of brightness rounds two of them together.
+Pair coarse_pair() {
+  Pair pair = textured_pair({96, 48}, 12);
+  for (Image* image : {&pair.left, &pair.right}) {
+    for (auto& pixel : image->pixels) pixel = static_cast<std::uint8_t>(pixel / 8 * 4);
+  }
+  return pair;
+}
+
+TEST(MatchCost, CensusDoesNotChangeWithAnyBrightnessCurve) {
+  const Pair pair = coarse_pair();
+  const MatchOptions options{.disparities = 32};
+  EXPECT_EQ(disparities_of(pair, options), disparities_of(seen_as(pair, 1.5, 20.0, 0.8), options));
+}
+
+TEST(MatchCost, ZnccDoesNotChangeWithGainAndOffset) {
+  const Pair pair = coarse_pair();
+  const MatchOptions options{.disparities = 32, .cost = MatchCost::kZncc};
+  // A factor of two: then floats round the same way.
+  EXPECT_EQ(disparities_of(pair, options), disparities_of(seen_as(pair, 2.0, 5.0, 1.0), options));
+}
+
+TEST(MatchCost, SsdIsForEqualBrightness) {
+  const Pair pair = coarse_pair();
+  const MatchOptions options{.disparities = 32, .cost = MatchCost::kSsd};
+  EXPECT_NE(disparities_of(pair, options), disparities_of(seen_as(pair, 2.0, 5.0, 1.0), options));
+}
+
+TEST(MatchCost, EachFindsTexture) {
+  const Pair pair = textured_pair({120, 64}, 13);
+  for (const MatchCost cost : kMatchCosts) {
+    const std::vector<float> found = disparities_of(pair, {.disparities = 32, .cost = cost});
+    int right = 0;
+    for (int v = 0; v < 64; ++v) {
+      for (int u = 32; u < 120; ++u) {
+        const double truth = 4 + v / 8 + (u > 60 ? 5 : 0);
+        right += std::abs(found[static_cast<std::size_t>(v) * 120 + u] - truth) < 1;
+      }
+    }
+    EXPECT_GT(right, 64 * 88 * 7 / 10) << match_cost_name(cost);
+  }
+}
+
+// A ramp of disparities that 32 do not hold: the coarse levels find where to search.
+TEST(Matcher, FindsFromCoarseToFineWhatTheWholeSearchFinds) {
+  constexpr ImageSize kSize{360, 64};
+  Pair pair = textured_pair(kSize, 14);
+  for (int v = 0; v < kSize.height; ++v) {
+    for (int u = 0; u < kSize.width; ++u) {
+      pair.left.pixels[static_cast<std::size_t>(v) * kSize.width + u] =
+          static_cast<std::uint8_t>((pair.right.at(u - 20 - u / 6, v) + pair.right.at(u + 1 - 20 - u / 6, v)) / 2);
+    }
+  }
+  MatchOptions options{.disparities = 100};
+  const std::vector<float> whole = disparities_of(pair, options);
+  for (const int levels : {1, 2}) {
+    options.coarse_levels = levels;
+    const std::vector<float> found = disparities_of(pair, options);
+    int both = 0, same = 0;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (!(whole[i] > 0) || !(found[i] > 0)) continue;
+      ++both;
+      same += std::abs(whole[i] - found[i]) <= 1;
+    }
+    EXPECT_GT(both, kSize.width * kSize.height / 2) << levels;
+    EXPECT_GT(same, both * 95 / 100) << levels;
+  }
 }
 
 TEST(Matcher, PixelsWithoutASourceAreNeverMatched) {

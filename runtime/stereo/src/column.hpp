@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "byte_lanes.hpp"
+
+namespace raybundle {
+namespace {
+
+constexpr std::uint8_t kNone = 255;
+
+/// The disparities of one pixel in registers.
+template <typename Bytes, int n>
+struct Column {
+  Bytes part[n];
+
+  static Column load(const std::uint8_t* from) {
+    Column column;
+    for (int j = 0; j < n; ++j) column.part[j] = Bytes::load(from + j * kLanes);
+    return column;
+  }
+  static Column all(std::uint8_t value) {
+    Column column;
+    for (int j = 0; j < n; ++j) column.part[j] = Bytes::all(value);
+    return column;
+  }
+  void store(std::uint8_t* to) const {
+    for (int j = 0; j < n; ++j) part[j].store(to + j * kLanes);
+  }
+  Bytes spread_least() const {
+    Bytes value = part[0];
+    for (int j = 1; j < n; ++j) value = least(value, part[j]);
+    return value.spread_least();
+  }
+  Column& operator+=(const Column& other) {
+    for (int j = 0; j < n; ++j) part[j] = add(part[j], other.part[j]);
+    return *this;
+  }
+  Column& operator-=(const Column& other) {
+    for (int j = 0; j < n; ++j) part[j] = subtract(part[j], other.part[j]);
+    return *this;
+  }
+  /// The lesser of both neighbours.
+  Column neighbours() const {
+    const Bytes none = Bytes::all(kNone);
+    Column column;
+    for (int j = 0; j < n; ++j) {
+      column.part[j] = least(Bytes::shifted_up(j == 0 ? none : part[j - 1], part[j]),
+                             Bytes::shifted_down(part[j], j == n - 1 ? none : part[j + 1]));
+    }
+    return column;
+  }
+  /// The same for a column in memory that stands between 255s.
+  static Column neighbours(const std::uint8_t* from) {
+    Column column;
+    for (int j = 0; j < n; ++j) {
+      column.part[j] = least(Bytes::load(from + j * kLanes - 1), Bytes::load(from + j * kLanes + 1));
+    }
+    return column;
+  }
+};
+
+}  // namespace
+}  // namespace raybundle

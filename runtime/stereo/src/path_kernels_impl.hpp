@@ -1,0 +1,156 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "column.hpp"
+#include "raybundle/stereo/matcher.hpp"
+#include "row_kernels.hpp"
+#include "sub_pixel.hpp"
+
+// Paths and the best disparity, for one kind of bytes.
+
+namespace raybundle {
+namespace {
+
+// For all disparities: a window of 255s in the middle of zeros, to take three neighbours out of the race.
+constexpr int kMostLanes = 256;
+constexpr auto kThreeOut = [] {
+  std::array<std::uint8_t, 2 * kMostLanes + kLanes> mask{};
+  for (int i = -1; i <= 1; ++i) mask[static_cast<std::size_t>(kMostLanes + i)] = kNone;
+  return mask;
+}();
+// 255 from here on: disparities that were not asked for.
+constexpr auto kOutOfRange = [] {
+  std::array<std::uint8_t, 2 * kMostLanes> mask{};
+  for (std::size_t i = kMostLanes; i < mask.size(); ++i) mask[i] = kNone;
+  return mask;
+}();
+
+template <typename Bytes, int n>
+Column<Bytes, n> path_costs(const std::uint8_t* fine) {
+  Column<Bytes, n> costs = Column<Bytes, n>::load(fine);
+  for (int j = 0; j < n; ++j) costs.part[j] = quarter(costs.part[j]);
+  return costs;
+}
+
+/// A path reaches the next pixel: costs plus the cheapest way from the pixel before, counted from the cheapest there,
+/// so that it stays below the most cost of a pixel plus one large step.
+/// Source: Hirschmüller, Stereo Processing by Semiglobal Matching and Mutual Information, PAMI 2008, eq. 13.
+template <typename Bytes, int n>
+Column<Bytes, n> next_on_path(const Column<Bytes, n>& before, const Column<Bytes, n>& neighbours,
+                              const Column<Bytes, n>& costs, Bytes small_step, std::uint8_t large_step) {
+  const Bytes lowest = before.spread_least();
+  const Bytes large = add(lowest, Bytes::all(large_step));
+  Column<Bytes, n> path;
+  for (int j = 0; j < n; ++j) {
+    const Bytes way = least(least(before.part[j], add(neighbours.part[j], small_step)), large);
+    path.part[j] = add(subtract(way, lowest), costs.part[j]);
+  }
+  return path;
+}
+
+/// Both directions in one loop: each waits for its pixel before, and the processor works on the other meanwhile.
+template <typename Bytes, int n>
+void across_row(const PathRow& row) {
+  using Pixel = Column<Bytes, n>;
+  constexpr std::ptrdiff_t kColumn = n * kLanes;
+  const Bytes small_step = Bytes::all(row.small_step);
+  Pixel from_left = Pixel::all(0);
+  Pixel from_right = Pixel::all(0);
+  for (int x = 0, y = row.width - 1; x < row.width; ++x, --y) {
+    from_left = next_on_path(from_left, from_left.neighbours(), path_costs<Bytes, n>(row.costs + x * kColumn),
+                             small_step, row.large_across[x]);
+    from_left.store(row.from_left + x * kColumn);
+    from_right = next_on_path(from_right, from_right.neighbours(), path_costs<Bytes, n>(row.costs + y * kColumn),
+                              small_step, row.large_across[y + 1]);
+    from_right.store(row.from_right + y * kColumn);
+  }
+}
+
+template <typename Bytes, int n>
+[[gnu::always_inline]] inline void take_best(const Column<Bytes, n>& sums, const std::uint8_t* costs,
+                                             const BestRow& best, int x) {
+  const Bytes lowest = sums.spread_least();
+  int disparity = 0;
+  for (int j = n - 1; j >= 0; --j) {
+    const std::uint32_t equal = equal_lanes(sums.part[j], lowest);
+    disparity = equal != 0 ? j * kLanes + std::countr_zero(equal) : disparity;
+  }
+  Column<Bytes, n> others;
+  for (int j = 0; j < n; ++j) {
+    others.part[j] = sums.part[j] | Bytes::load(kThreeOut.data() + kMostLanes + j * kLanes - disparity);
+  }
+  best.disparity[x] = static_cast<std::uint8_t>(disparity);
+  best.sum[x] = lowest.first();
+  best.second[x] = others.spread_least().first();
+  best.before[x] = costs[std::max(disparity - 1, 0)];
+  best.cost[x] = costs[disparity];
+  best.after[x] = costs[std::min(disparity + 1, n * kLanes - 1)];
+}
+
+template <typename Bytes, int n>
+void along_row(const PathRow& row) {
+  using Pixel = Column<Bytes, n>;
+  constexpr std::ptrdiff_t kColumn = n * kLanes;
+  constexpr std::ptrdiff_t kSlot = kColumn + kLanes;  // with the 255s behind it
+  const Bytes small_step = Bytes::all(row.small_step);
+  const Pixel out_of_range = Pixel::load(kOutOfRange.data() + kMostLanes - row.disparities);
+  for (int x = 0; x < row.width; ++x) {
+    std::uint8_t* slot = row.along + x * kSlot;
+    const Pixel path = next_on_path(Pixel::load(slot), Pixel::neighbours(slot),
+                                    path_costs<Bytes, n>(row.costs + x * kColumn), small_step, row.large_along[x]);
+    path.store(slot);
+    Pixel sum = path;
+    sum += Pixel::load(row.from_left + x * kColumn);
+    sum += Pixel::load(row.from_right + x * kColumn);
+    if (row.sums != nullptr) {
+      sum.store(row.sums + x * kColumn);
+      continue;
+    }
+    sum += out_of_range;
+    take_best(sum, row.costs + x * kColumn, row.best, x);
+  }
+}
+
+template <typename Bytes, int n>
+void best_row(const PathRow& row) {
+  using Pixel = Column<Bytes, n>;
+  const Pixel out_of_range = Pixel::load(kOutOfRange.data() + kMostLanes - row.disparities);
+  for (int x = 0; x < row.width; ++x) {
+    Pixel costs = Pixel::load(row.costs + x * n * kLanes);
+    costs += out_of_range;
+    take_best(costs, row.costs + x * n * kLanes, row.best, x);
+  }
+}
+
+/// Without branches, and no row overlaps another one: the compiler makes vectors of the loops.
+inline void judge_row(const JudgeRow& what) {
+  constexpr auto kMatched = static_cast<std::uint8_t>(Match::kMatched);
+  const auto code = [](Match match) { return static_cast<std::uint8_t>(match); };
+  const JudgeRow row = what;  // a copy that no byte can overwrite
+  const BestRow& best = row.best;
+#pragma GCC ivdep
+  for (int x = 0; x < row.width; ++x) {
+    const bool at_end = ((best.disparity[x] == 0) & (row.first[x] > row.least)) | (best.disparity[x] == row.last);
+    const int rise = std::min(best.before[x], best.after[x]) - best.cost[x];
+    std::uint8_t state = rise < row.peak ? code(Match::kFlat) : kMatched;
+    state = best.second[x] - best.sum[x] < row.uniqueness ? code(Match::kAmbiguous) : state;
+    state = best.cost[x] > row.strength ? code(Match::kWeak) : state;
+    state = (row.agrees[x] == 0) | at_end ? code(Match::kOneSided) : state;
+    row.match[x] = row.covered[x] == 0 ? code(Match::kUncovered) : state;
+  }
+#pragma GCC ivdep
+  for (int x = 0; x < row.width; ++x) {
+    const float part = sub_pixel(best.before[x], best.cost[x], best.after[x]);
+    const float whole = static_cast<float>(row.first[x] + best.disparity[x]);
+    const float disparity = whole + (best.disparity[x] == 0 ? 0.0F : part);
+    row.disparity_px[x] = row.match[x] == kMatched ? disparity : 0.0F;
+  }
+}
+
+}  // namespace
+}  // namespace raybundle

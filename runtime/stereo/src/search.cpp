@@ -1,0 +1,171 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "search.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "byte_lanes.hpp"
+
+namespace raybundle {
+namespace {
+
+constexpr int kMostLevel = 256;  // above every difference of costs
+
+int lanes_for(int disparities) {
+  for (const int lanes : {32, 64, 96, 128, 192}) {
+    if (disparities <= lanes) return lanes;
+  }
+  return 256;
+}
+
+}  // namespace
+
+Search::Search(ImageSize size, const MatchOptions& options)
+    : options_(options),
+      size_(size),
+      lanes_(lanes_for(options.disparities)),
+      kernels_(row_kernels(options.simd)),
+      costs_(match_costs(size, lanes_, options, kernels_)) {
+  const int most = costs_->most();
+  const double path_most = static_cast<double>(most) / kFineCosts;
+  const double small = std::round(options.small_step * path_most);
+  for (std::size_t grey = 0; grey < large_steps_.size(); ++grey) {
+    const double edge = 1.0 + static_cast<double>(grey) / options.edge_grey;
+    large_steps_[grey] =
+        static_cast<std::uint8_t>(std::lround(std::max(small + 1.0, options.large_step * path_most / edge)));
+  }
+  uniqueness_limit_ =
+      static_cast<int>(std::ceil(options.uniqueness * (options.paths > 0 ? options.paths * path_most : most)));
+  strength_limit_ = static_cast<int>(options.strength * most);
+  peak_limit_ = options.peak > 0 ? static_cast<int>(std::ceil(options.peak * most)) : -kMostLevel;
+
+  const auto width = static_cast<std::size_t>(size.width);
+  large_across_.resize(width + 1);
+  large_along_.resize(width);
+  from_left_.resize(width * lanes_);
+  from_right_.resize(width * lanes_);
+  along_.resize(width * (lanes_ + kLanes) + kLanes);
+  if (options.paths == 4) {
+    all_costs_.resize(width * lanes_ * size.height);
+    all_sums_.resize(width * lanes_ * size.height);
+  }
+  for (Bytes* bytes : {&best_, &least_sum_, &second_, &before_, &cost_, &after_, &agrees_}) bytes->resize(width);
+  all_covered_.assign(width, 1);
+  right_.resize(width);
+}
+
+PathRow Search::path_row(const std::uint8_t* costs) {
+  PathRow row;
+  row.width = size_.width;
+  row.lanes = lanes_;
+  row.disparities = options_.disparities;
+  row.small_step = static_cast<std::uint8_t>(std::lround(options_.small_step * costs_->most() / kFineCosts));
+  row.large_across = large_across_.data();
+  row.large_along = large_along_.data();
+  row.costs = costs;
+  row.from_left = from_left_.data();
+  row.from_right = from_right_.data();
+  row.along = along_.data() + kLanes;
+  row.best = best_row();
+  return row;
+}
+
+// The large steps to row v: along it, and from the row before it, which is above or below.
+void Search::steps_of(GreyView left, int v, int before) {
+  const auto step = [&](int a, int b) { return large_steps_[static_cast<std::size_t>(std::abs(a - b))]; };
+  const std::uint8_t* here = left.row(v);
+  large_across_.front() = large_across_.back() = 0;
+  for (std::size_t x = 1; x < large_along_.size(); ++x) large_across_[x] = step(here[x], here[x - 1]);
+  if (before < 0 || before >= size_.height) {
+    std::fill(large_along_.begin(), large_along_.end(), std::uint8_t{0});
+    return;
+  }
+  const std::uint8_t* there = left.row(before);
+  for (std::size_t x = 0; x < large_along_.size(); ++x) large_along_[x] = step(here[x], there[x]);
+}
+
+void Search::begin_paths() { std::fill(along_.begin(), along_.end(), std::uint8_t{255}); }
+
+void Search::gather_down(GreyView left, int v) {
+  const std::uint8_t* costs = costs_->row(v);
+  PathRow row = path_row(costs);
+  if (options_.paths == 0) return kernels_.best(row);
+  steps_of(left, v, v - 1);
+  kernels_.across(row);
+  if (options_.paths == 4) {
+    const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(v) * size_.width * lanes_;
+    std::copy_n(costs, size_.width * lanes_, all_costs_.data() + first);
+    row.sums = all_sums_.data() + first;
+  }
+  kernels_.along(row);
+}
+
+void Search::gather_up(GreyView left, int v) {
+  const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(v) * size_.width * lanes_;
+  PathRow row = path_row(all_costs_.data() + first);
+  row.from_left = all_sums_.data() + first;
+  steps_of(left, v, v + 1);
+  kernels_.along(row);
+}
+
+// Of the left image's pixels that claim a pixel of the right image, the one with the least sum gets it; another one
+// agrees with that when its disparity is nearly the same.
+void Search::find_agreeing(const std::int16_t* first, const std::uint8_t* right_covered) {
+  constexpr std::uint32_t kDisparity = 0xffff;
+  std::fill(right_.begin(), right_.end(), ~std::uint32_t{0});
+  for (int x = 0; x < size_.width; ++x) {
+    const auto i = static_cast<std::size_t>(x);
+    const int disparity = first[x] + best_[i];
+    if (disparity > x) continue;
+    std::uint32_t& claim = right_[static_cast<std::size_t>(x - disparity)];
+    claim = std::min(claim, static_cast<std::uint32_t>(least_sum_[i]) << 16 | static_cast<std::uint32_t>(disparity));
+  }
+  const int most_apart = options_.left_right_px < 0 ? size_.width : options_.left_right_px;
+  for (int x = 0; x < size_.width; ++x) {
+    const auto i = static_cast<std::size_t>(x);
+    const int disparity = first[x] + best_[i];
+    const int at = std::max(x - disparity, 0);
+    const int other = static_cast<int>(right_[static_cast<std::size_t>(at)] & kDisparity);
+    const bool covered = right_covered == nullptr || right_covered[at] != 0;
+    agrees_[i] = static_cast<std::uint8_t>((disparity <= x) & covered & (std::abs(other - disparity) <= most_apart));
+  }
+}
+
+void Search::judge_row(int v, const SearchedPair& pair, const std::uint8_t* left_covered, float* disparity_px,
+                       std::uint8_t* match) {
+  const std::ptrdiff_t first_pixel = static_cast<std::ptrdiff_t>(v) * size_.width;
+  find_agreeing(pair.first.row(v), pair.right_covered ? pair.right_covered + first_pixel : nullptr);
+  JudgeRow row;
+  row.width = size_.width;
+  row.last = options_.disparities - 1;
+  row.least = options_.least_disparity;
+  row.uniqueness = uniqueness_limit_;
+  row.strength = strength_limit_;
+  row.peak = peak_limit_;
+  row.covered = left_covered ? left_covered + first_pixel : all_covered_.data();
+  row.agrees = agrees_.data();
+  row.first = pair.first.row(v);
+  row.best = best_row();
+  row.disparity_px = disparity_px + first_pixel;
+  row.match = match + first_pixel;
+  kernels_.judge(row);
+}
+
+void Search::run(const SearchedPair& pair, const std::uint8_t* left_covered, float* disparity_px, std::uint8_t* match) {
+  costs_->begin(pair);
+  begin_paths();
+  for (int v = 0; v < size_.height; ++v) {
+    gather_down(pair.left, v);
+    if (options_.paths < 4) judge_row(v, pair, left_covered, disparity_px, match);
+  }
+  if (options_.paths < 4) return;
+  begin_paths();
+  std::fill(from_right_.begin(), from_right_.end(), std::uint8_t{0});
+  for (int v = size_.height - 1; v >= 0; --v) {
+    gather_up(pair.left, v);
+    judge_row(v, pair, left_covered, disparity_px, match);
+  }
+}
+
+}  // namespace raybundle

@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "match_costs.hpp"
+#include "raybundle/stereo/matcher.hpp"
+#include "row_kernels.hpp"
+
+namespace raybundle {
+
+/// Finds the best disparity of each pixel among `disparities` from the pixel's first one on, and judges it.
+class Search {
+ public:
+  Search(ImageSize size, const MatchOptions& options);
+
+  /// @param disparity_px  becomes the disparity, 0 where there is no match; width × height
+  /// @param match         becomes the Match of each pixel
+  void run(const SearchedPair& pair, const std::uint8_t* left_covered, float* disparity_px, std::uint8_t* match);
+
+ private:
+  using Bytes = std::vector<std::uint8_t>;
+
+  BestRow best_row() {
+    return {best_.data(), least_sum_.data(), second_.data(), before_.data(), cost_.data(), after_.data()};
+  }
+  PathRow path_row(const std::uint8_t* costs);
+  void steps_of(GreyView left, int v, int before);
+  void gather_down(GreyView left, int v);
+  void gather_up(GreyView left, int v);
+  void begin_paths();
+  void find_agreeing(const std::int16_t* first, const std::uint8_t* right_covered);
+  void judge_row(int v, const SearchedPair& pair, const std::uint8_t* left_covered, float* disparity_px,
+                 std::uint8_t* match);
+
+  MatchOptions options_;
+  ImageSize size_;
+  int lanes_;
+  const RowKernels& kernels_;
+  std::unique_ptr<MatchCosts> costs_;
+  std::array<std::uint8_t, 256> large_steps_{};  // by the step of grey values
+  int uniqueness_limit_, strength_limit_, peak_limit_;
+  Bytes large_across_, large_along_;
+  Bytes from_left_, from_right_, along_;
+  Bytes all_costs_, all_sums_;                               // of the image, for paths from below
+  Bytes best_, least_sum_, second_, before_, cost_, after_;  // of a row, as BestRow
+  Bytes all_covered_, agrees_;
+  std::vector<std::uint32_t> right_;  // the same row seen from the right image: sum · 65536 + disparity
+};
+
+}  // namespace raybundle
