@@ -39,7 +39,7 @@ Embedding start_of(const Eigen::MatrixXf& attributes, const std::vector<int>& si
       (attributes.colwise() - start.centre).rowwise().squaredNorm() / static_cast<float>(attributes.cols());
   start.scale = variance.cwiseSqrt().cwiseMax(kLeastScatter).cwiseInverse();
   Eigen::Index in = attributes.rows();
-  for (const int size : sizes) {
+  for (const int& size : sizes) {
     // Even numbers by hand: the distributions of the standard library differ between libraries.
     const float most = std::sqrt(6.0F / static_cast<float>(in)) * (&size == &sizes.back() ? kFirstPlace : 1.0F);
     EmbeddingLayer layer{Eigen::MatrixXf(size, in), Eigen::VectorXf::Zero(size)};
