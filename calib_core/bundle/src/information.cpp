@@ -62,19 +62,25 @@ std::vector<std::string> free_names(const Layout& layout) {
               view_name(problem, problem.views[view]));
 }
 
-// In order, so that sums are formed in the same order every time.
-std::map<int, PoseRows> rows_by_pose(const CalibrationProblem& problem, const BundleState& state,
-                                     const BundleOptions& options, const Layout& layout) {
+// Calls visit(pose, rows) for every pose in use, in order, so that sums are formed in the same order every time. The
+// rows of one pose at a time exist: those of all would be several times larger than the problem.
+template <typename Visit>
+void for_each_pose(const CalibrationProblem& problem, const BundleState& state, const BundleOptions& options,
+                   const Layout& layout, const Visit& visit) {
   const Unknowns unknowns(state);
-  std::map<int, PoseRows> poses;
-  for (const ViewData& view : used_views(problem, state)) {
-    ViewBlock block;
-    const ViewBlockOptions view_options{.with_shape = layout.estimates_shape(view.target),
-                                        .robust_scale_sigma = options.robust_scale_sigma};
-    if (!linearize_view(view, unknowns.at(view), view_options, block)) throw_unprojectable(problem, view.view);
-    poses[view.pose].append(view, block, layout);
+  std::map<int, std::vector<ViewData>> views_of_pose;
+  for (ViewData& view : used_views(problem, state)) views_of_pose[view.pose].push_back(std::move(view));
+  ViewBlock block;
+  for (const auto& [pose, views] : views_of_pose) {
+    PoseRows rows;
+    for (const ViewData& view : views) {
+      const ViewBlockOptions view_options{.with_shape = layout.estimates_shape(view.target),
+                                          .robust_scale_sigma = options.robust_scale_sigma};
+      if (!linearize_view(view, unknowns.at(view), view_options, block)) throw_unprojectable(problem, view.view);
+      rows.append(view, block, layout);
+    }
+    visit(pose, rows);
   }
-  return poses;
 }
 
 // The equations at the state when there are beams, with the directions that nothing sees pinned.
@@ -128,14 +134,13 @@ ReducedInformation reduced_information(const CalibrationProblem& problem, const 
   result.parameters = layout.columns;
   result.names = free_names(layout);
 
-  const std::map<int, PoseRows> poses = rows_by_pose(problem, state, options, layout);
-  result.parameters += 6 * static_cast<int>(poses.size());
-  for (const auto& [index, rows] : poses) {
+  for_each_pose(problem, state, options, layout, [&](int, const PoseRows& rows) {
+    result.parameters += 6;
     result.chi2 += rows.wrt_parameters.rightCols<1>().squaredNorm();
     result.residuals += static_cast<int>(rows.wrt_parameters.rows());
     const Eigen::MatrixXd left = rows.eliminated().leftCols(layout.columns);
     result.information += left.transpose() * left;
-  }
+  });
 
   for (const ParameterBlock& block : layout.blocks) {
     if (block.with_prior().empty()) continue;
@@ -153,18 +158,18 @@ std::vector<FrameInformation> information_by_frame(const CalibrationProblem& pro
                                                    const BundleOptions& options) {
   const Layout layout(estimated_blocks(problem, state, options));
   std::map<int, FrameInformation> frames;
-  for (const auto& [index, rows] : rows_by_pose(problem, state, options, layout)) {
+  for_each_pose(problem, state, options, layout, [&](int pose, const PoseRows& rows) {
     const Eigen::MatrixXd left = rows.eliminated();
     const auto parameters = left.leftCols(layout.columns);
-    FrameInformation& frame = frames[state.poses[index].frame];
+    FrameInformation& frame = frames[state.poses[pose].frame];
     if (frame.gradient.size() == 0) {
-      frame.frame = state.poses[index].frame;
+      frame.frame = state.poses[pose].frame;
       frame.information.setZero(layout.columns, layout.columns);
       frame.gradient.setZero(layout.columns);
     }
     frame.information += parameters.transpose() * parameters;
     frame.gradient += parameters.transpose() * left.rightCols<1>();
-  }
+  });
   std::vector<FrameInformation> result;
   for (auto& [index, frame] : frames) result.push_back(std::move(frame));
   return result;
