@@ -38,12 +38,15 @@ void Candidates::find(const BeamSet& set, std::span<const Dot> dots) {
   for (const Dot& dot : dots) {
     const RayTable::Ray ray = set.table.rays.at(dot.pixel);
     const std::size_t begin = candidates_.size();
+    const double most_per_px2 = ray.per_px.squaredNorm();
+    const double tolerance_px2 = range.tolerance_px * range.tolerance_px;
     for (const int b : set.table.candidates.at(dot.pixel)) {
       const BeamGeometry& beam = set.beams[b];
       const double off = beam.off_plane(ray.direction);
+      if (!(off * off <= tolerance_px2 * most_per_px2)) continue;             // NaN: there is no ray
       const Eigen::Vector2d gradient = ray.per_px.transpose() * beam.normal;  // of off_plane by the pixel [1/px]
       const double per_px2 = gradient.squaredNorm();
-      if (!(off * off <= range.tolerance_px * range.tolerance_px * per_px2)) continue;  // NaN: there is no ray
+      if (off * off > tolerance_px2 * per_px2) continue;
       const BeamPoint point = beam_point(beam, ray.direction);
       if (!(point.x.z() >= range.explained_from_m())) continue;
       const double variance =

@@ -17,13 +17,16 @@ constexpr double kMostSupport = 4;  // [log-odds] of one neighbour
 double mean_support(const LabelTask& task, const LabelWork& work, const Candidate& candidate) {
   const auto all = task.candidates.all();
   double support = 0.0;
-  for (const int beam : task.lattice.around[candidate.beam]) {
+  for (std::size_t n = 0; n < 8; ++n) {
+    const int beam = task.lattice.around[candidate.beam][n];
     if (beam < 0) continue;
+    const double angle = task.lattice.angle[candidate.beam][n];
     for (int k = work.first_of_beam[beam]; k < work.first_of_beam[beam + 1]; ++k) {
       const Candidate& other = all[work.of_beam[k]];
       if (other.dot == candidate.dot) continue;
       const double order = in_order(task, candidate, other) ? 0.0 : -kMostSupport;
-      support += work.weight[work.of_beam[k]] * (smoothness(task, candidate, other) + order);
+      support += work.weight[work.of_beam[k]] *
+                 (smoothness(task.range, surface_fit(task.range, candidate, other, angle)) + order);
     }
   }
   return std::clamp(support, -2.0 * kMostSupport, 2.0 * kMostSupport);

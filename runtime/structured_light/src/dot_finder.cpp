@@ -15,7 +15,7 @@ namespace {
 constexpr int kRing = 2;           // at half the resolution: beyond most of a spot, but near, for light is uneven
 constexpr int kWeights = 16;       // of the smoothing, 1 2 1 both ways
 constexpr double kNoiseGain = 12;  // sigma of a smoothed value over that of a pixel: sqrt(4 * 36)
-constexpr std::size_t kMostPeaks = 8192;
+constexpr int kPeaksPerDot = 2;    // that are looked at, of the most dots
 
 }  // namespace
 
@@ -28,9 +28,10 @@ DotFinder::DotFinder(ImageSize size, int most_dots, const DotFinderOptions& opti
       rows_(half_.size()),
       smooth_(half_.size()),
       signal_(half_.size()),
+      most_peaks_(static_cast<std::size_t>(kPeaksPerDot) * most_dots),
       most_dots_(most_dots) {
-  peaks_.reserve(kMostPeaks);
-  dots_.reserve(kMostPeaks);
+  peaks_.reserve(static_cast<std::size_t>(width_ / 2 + 1) * (height_ / 2 + 1));  // no two are neighbours
+  dots_.reserve(most_peaks_);
 }
 
 // Sums of two by two pixels, of the difference where there is an image without the laser.
@@ -103,9 +104,20 @@ void DotFinder::find_peaks(const GreyView& on, bool difference) {
       if (!highest) continue;
       const double grey = on.at(2 * u, 2 * v);
       const double sigma = kNoiseGain * std::sqrt(dark + images * options_.grey_per_electron * grey);
-      if (here >= options_.least_signal * sigma && peaks_.size() < kMostPeaks) peaks_.push_back({u, v});
+      if (here >= options_.least_signal * sigma && peaks_.size() < peaks_.capacity()) peaks_.push_back({u, v, here});
     }
   }
+}
+
+void DotFinder::keep_strongest_peaks() {
+  if (peaks_.size() <= most_peaks_) return;
+  const auto place = [](const Peak& peak) { return std::pair(peak.v, peak.u); };
+  const auto end = peaks_.begin() + static_cast<std::ptrdiff_t>(most_peaks_);
+  std::nth_element(peaks_.begin(), end, peaks_.end(), [&](const Peak& a, const Peak& b) {
+    return a.signal != b.signal ? a.signal > b.signal : place(a) < place(b);
+  });
+  peaks_.resize(most_peaks_);
+  std::sort(peaks_.begin(), peaks_.end(), [&](const Peak& a, const Peak& b) { return place(a) < place(b); });
 }
 
 std::span<const Dot> DotFinder::find(const GreyView& on, const GreyView& off) {
@@ -114,6 +126,7 @@ std::span<const Dot> DotFinder::find(const GreyView& on, const GreyView& off) {
   smooth();
   outshine();
   find_peaks(on, off.pixels != nullptr);
+  keep_strongest_peaks();
   dots_.clear();
   const SpotNoise noise{options_.read_noise, options_.grey_per_electron};
   for (const Peak& peak : peaks_) {

@@ -35,30 +35,34 @@ bool breaks_order(const LabelTask& task, const LabelWork& work, const Candidate&
 
 }  // namespace
 
-double smoothness(const LabelTask& task, const Candidate& a, const Candidate& b) {
-  const SensorRange& range = task.range;
-  const double farthest = 1.0 / range.farthest_m, width = 1.0 / range.nearest_m - farthest;
+SurfaceFit surface_fit(const SensorRange& range, const Candidate& a, const Candidate& b, double angle_rad) {
   // A surface that slopes changes its inverse distance, from beam to beam, by slope times angle times itself.
-  const double angle = (task.lattice.direction[a.beam] - task.lattice.direction[b.beam]).norm();
-  const double spread = kSlope * angle * std::max(farthest, 0.5 * (a.inverse_distance + b.inverse_distance));
-  const double difference = std::abs(a.inverse_distance - b.inverse_distance);
-  const double on_one = std::exp(-difference / spread) * width / (2.0 * spread);
+  const double middle = std::max(1.0 / range.farthest_m, 0.5 * (a.inverse_distance + b.inverse_distance));
+  const double spread = kSlope * angle_rad * middle;
+  return {std::abs(a.inverse_distance - b.inverse_distance) / spread, spread};
+}
+
+double smoothness(const SensorRange& range, const SurfaceFit& fit) {
+  const double width = 1.0 / range.nearest_m - 1.0 / range.farthest_m;
+  const double on_one = std::exp(-fit.misfit) * width / (2.0 * fit.spread);
   return std::log((1.0 - kEdgeShare) * on_one + kEdgeShare);
 }
 
 double support_by_neighbours(const LabelTask& task, const LabelWork& work, const Candidate& candidate) {
-  std::array<double, kMostSupporters> best{};  // descending
-  best.fill(-std::numeric_limits<double>::infinity());
-  for (const int beam : task.lattice.around[candidate.beam]) {
+  std::array<SurfaceFit, kMostSupporters> best;  // the best fitting first
+  best.fill({std::numeric_limits<double>::infinity(), 1.0});
+  for (std::size_t k = 0; k < 8; ++k) {
+    const int beam = task.lattice.around[candidate.beam][k];
     if (beam < 0 || work.dot_of_beam[beam] < 0 || work.dot_of_beam[beam] == candidate.dot) continue;
-    double of_pair = smoothness(task, candidate, task.candidates.all()[work.chosen[work.dot_of_beam[beam]]]);
-    for (double& most : best) {
-      if (of_pair > most) std::swap(of_pair, most);
+    const Candidate& other = task.candidates.all()[work.chosen[work.dot_of_beam[beam]]];
+    SurfaceFit fit = surface_fit(task.range, candidate, other, task.lattice.angle[candidate.beam][k]);
+    for (SurfaceFit& better : best) {
+      if (fit.misfit < better.misfit) std::swap(fit, better);
     }
   }
   double support = 0.0;
-  for (const double of_pair : best) {
-    if (std::isfinite(of_pair)) support += of_pair;
+  for (const SurfaceFit& fit : best) {
+    if (std::isfinite(fit.misfit)) support += smoothness(task.range, fit);
   }
   return support;
 }

@@ -6,9 +6,17 @@
 
 namespace raybundle {
 
-/// Log-odds that two candidates of neighbouring beams are where they are because the beams hit one surface, against by
-/// chance.
-double smoothness(const LabelTask& task, const Candidate& a, const Candidate& b);
+/// How well two candidates of neighbouring beams fit to one surface.
+struct SurfaceFit {
+  double misfit = 0.0;  ///< difference of their inverse distances over what slopes make of it
+  double spread = 1.0;  ///< what slopes make of it [1/m]
+};
+
+/// @param angle_rad  between the beams
+SurfaceFit surface_fit(const SensorRange& range, const Candidate& a, const Candidate& b, double angle_rad);
+
+/// Log-odds that the beams hit one surface, against that the candidates are there by chance.
+double smoothness(const SensorRange& range, const SurfaceFit& fit);
 
 /// The smoothness of a candidate beside the labels of its beam's neighbours, summed over the three that fit best; 0
 /// when none has a label.

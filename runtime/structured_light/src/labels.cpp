@@ -14,15 +14,19 @@ BeamLattice::BeamLattice(const SensorTable& table)
   }
   for (std::size_t b = 0; b < row.size(); ++b) {
     std::array<int, 8> neighbours{};
+    std::array<double, 8> angles{};
     std::size_t k = 0;
     for (int r = row[b] - 1; r <= row[b] + 1; ++r) {
       for (int c = column[b] - 1; c <= column[b] + 1; ++c) {
         if (r == row[b] && c == column[b]) continue;
         const bool inside = r >= 0 && r < rows && c >= 0 && c < columns;
-        neighbours[k++] = inside ? at(r, c) : -1;
+        neighbours[k] = inside ? at(r, c) : -1;
+        if (neighbours[k] >= 0) angles[k] = (direction[neighbours[k]] - direction[b]).norm();
+        ++k;
       }
     }
     around.push_back(neighbours);
+    angle.push_back(angles);
   }
 }
 

@@ -26,7 +26,7 @@ struct DotFinderOptions {
 /// Two passes: at half the resolution, places brighter than opposite places on a ring around them; at full resolution,
 /// the centre by a weighted mean whose weights fall smoothly to zero and which lie on the centre itself, so that
 /// neither the window's rim nor its place in the pixel grid pulls at it. Its covariance is that of shot noise, read
-/// noise and the unrest of the surroundings.
+/// noise and the unrest of the surroundings. An image full of spots costs no more than so many peaks: the strongest.
 class DotFinder {
  public:
   /// All memory is taken here.
@@ -43,18 +43,21 @@ class DotFinder {
  private:
   struct Peak {
     int u = 0, v = 0;  ///< at half the resolution
+    std::int16_t signal = 0;
   };
 
   void halve(const GreyView& on, const GreyView& off);
   void smooth();
   void outshine();
   void find_peaks(const GreyView& on, bool difference);
+  void keep_strongest_peaks();
 
   ImageSize size_;
   DotFinderOptions options_;
   int width_, height_;  ///< at half the resolution
   std::vector<std::int16_t> half_, rows_, smooth_, signal_;
   std::vector<Peak> peaks_;
+  std::size_t most_peaks_;
   std::vector<Dot> dots_;
   std::size_t most_dots_;
 };

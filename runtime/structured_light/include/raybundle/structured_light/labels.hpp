@@ -18,10 +18,11 @@ struct BeamLattice {
   int at(int row, int column) const { return beam_at[static_cast<std::size_t>(row) * columns + column]; }
 
   int rows = 0, columns = 0;
-  std::vector<int> beam_at;                ///< by row and column; -1 where there is no beam
-  std::vector<std::array<int, 8>> around;  ///< neighbours of each beam; -1 where there is none
-  std::vector<int> row, column;            ///< of each beam
-  std::vector<Eigen::Vector3d> direction;  ///< of each beam
+  std::vector<int> beam_at;                  ///< by row and column; -1 where there is no beam
+  std::vector<std::array<int, 8>> around;    ///< neighbours of each beam; -1 where there is none
+  std::vector<std::array<double, 8>> angle;  ///< to them [rad]
+  std::vector<int> row, column;              ///< of each beam
+  std::vector<Eigen::Vector3d> direction;    ///< of each beam
 };
 
 /// What is to be labelled.
