@@ -35,25 +35,33 @@ void add_cross_validation(const CalibrationProblem& problem, const CalibrationRe
   if (found.verdict == CrossValidation::Verdict::kModelError) findings.warnings.push_back(found.words);
 }
 
-void add_second_opinion(const CalibrationProblem& problem, const CalibrationResult& result, CheckFindings& findings) {
-  const SecondOpinion opinion = second_opinion(problem, result);
-  if (!opinion.calibration) {
-    findings.sections.push_back({"second_opinion", Json{{"why_not", opinion.why_not}}.dump()});
-    findings.text += "second opinion: there is none: " + opinion.why_not + "\n";
-    return;
+Json json_from_opinion(const SecondOpinion& opinion) {
+  if (!opinion.comparison) return {{"source", opinion.source}, {"why_not", opinion.why_not}};
+  Json json{{"source", opinion.source},
+            {"rms_px", opinion.rms_px},
+            {"remark", opinion.remark},
+            {"comparison", json_from_comparison(*opinion.comparison)}};
+  if (opinion.approximation_px) json["approximation_px"] = *opinion.approximation_px;
+  return json;
+}
+
+std::string text_of(const SecondOpinion& opinion) {
+  if (!opinion.comparison) return "there is none: " + opinion.why_not;
+  std::string text = fmt::format("{}, rms {:.3f} px", opinion.source, opinion.rms_px);
+  for (const ProjectionDifference& d : opinion.comparison->projections) {
+    text += fmt::format("{} {} projects {:.4f} px apart rms, {:.4f} px at most",
+                        &d == &opinion.comparison->projections[0] ? ":" : ",", d.camera, d.rms_px, d.largest_px);
   }
-  const CalibrationComparison comparison = compare(opinion.counterpart, *opinion.calibration);
-  const Json json{{"source", opinion.source},
-                  {"rms_px", opinion.rms_px},
-                  {"remark", opinion.remark},
-                  {"comparison", json_from_comparison(comparison)}};
+  return opinion.remark.empty() ? text : text + " (" + opinion.remark + ")";
+}
+
+void add_second_opinions(const CalibrationProblem& problem, const CalibrationResult& result, CheckFindings& findings) {
+  Json json = Json::array();
+  for (const SecondOpinion& opinion : second_opinions(problem, result)) {
+    json.push_back(json_from_opinion(opinion));
+    findings.text += "second opinion: " + text_of(opinion) + "\n";
+  }
   findings.sections.push_back({"second_opinion", json.dump()});
-  findings.text += fmt::format("second opinion: {}, rms {:.3f} px:", opinion.source, opinion.rms_px);
-  for (const ProjectionDifference& d : comparison.projections) {
-    findings.text += fmt::format(" {} projects at most {:.4f} px apart,", d.camera, d.largest_px);
-  }
-  findings.text.back() = ' ';
-  findings.text += opinion.remark.empty() ? "\n" : "(" + opinion.remark + ")\n";
 }
 
 }  // namespace
@@ -62,7 +70,7 @@ CheckFindings run_extra_checks(const ExtraChecks& checks, const CalibrationProbl
                                const CalibrationResult& result, const CalibrateOptions& options) {
   CheckFindings findings;
   if (checks.cross_validate) add_cross_validation(problem, result, options, findings);
-  if (checks.second_opinion) add_second_opinion(problem, result, findings);
+  if (checks.second_opinion) add_second_opinions(problem, result, findings);
   return findings;
 }
 

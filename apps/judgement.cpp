@@ -24,7 +24,7 @@ std::optional<Requirement> worst_requirement(const Verdict& verdict) {
   const auto excess = [](const Judgement& j) { return j.value / j.requirement.limit; };
   for (const Judgement& judgement : verdict.judgements) {
     const Quantity quantity = judgement.requirement.quantity;
-    if (judgement.of_laser || (quantity != Quantity::kProjection && quantity != Quantity::kDepth)) continue;
+    if (quantity != Quantity::kProjection && quantity != Quantity::kDepth) continue;
     if (std::isfinite(judgement.value) && (!worst || excess(judgement) > excess(*worst))) worst = &judgement;
   }
   return worst ? std::optional(worst->requirement) : std::nullopt;

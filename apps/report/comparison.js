@@ -59,10 +59,12 @@ function crossValidationParts(found, cameras) {
     shown ? comparisonFigures(shown, cameras) : null];
 }
 
-function secondOpinionParts(opinion, cameras) {
-  if (!opinion.comparison) return [el("h3", {}, "Second opinion"), el("p", {}, sentence(opinion.why_not))];
-  return [el("h3", {}, "Second opinion"), el("p", {}, `${opinion.source}, rms ${fixed(opinion.rms_px, 3)} px, from the same corners.`),
-    comparisonFigures(opinion.comparison, cameras)];
+function secondOpinionParts(opinions, cameras) {
+  const parts = opinions.flatMap((opinion) => opinion.comparison
+    ? [el("p", {}, `${opinion.source}, rms ${fixed(opinion.rms_px, 3)} px, from the same corners. ${opinion.remark ? sentence(opinion.remark) : ""}`),
+      comparisonFigures(opinion.comparison, cameras)]
+    : [el("p", {}, sentence(opinion.why_not))]);
+  return [el("h3", {}, "Second opinion"), ...parts];
 }
 
 /** Null when the calibration was not compared with anything. */

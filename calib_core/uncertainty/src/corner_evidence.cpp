@@ -7,14 +7,13 @@
 
 #include "motion_fit.hpp"
 #include "raybundle/bundle/view_block.hpp"
+#include "sensitivity.hpp"
 
 namespace raybundle {
 namespace {
 
-constexpr int kCellsAlong = 16;  // the longer side of the image
-
 CornerEvidence empty_evidence(ImageSize size) {
-  const double cell_px = static_cast<double>(std::max(size.width, size.height)) / kCellsAlong;
+  const double cell_px = static_cast<double>(std::max(size.width, size.height)) / kEvidenceCells;
   CornerEvidence evidence;
   evidence.columns = static_cast<int>(std::max(1L, std::lround(size.width / cell_px)));
   evidence.rows = static_cast<int>(std::max(1L, std::lround(size.height / cell_px)));
@@ -37,11 +36,13 @@ std::optional<CornerEvidence> corner_evidence(const CalibrationProblem& problem,
     for (Eigen::Index i = 0; i < view.pixel.rows(); ++i) {
       Eigen::Vector3d x_in_target = view.x_in_target.row(i);
       x_in_target.z() += view.shape_basis.row(i).dot(sags);
-      const Eigen::Vector3d x_in_camera = camera_from_target * x_in_target;
+      const Eigen::Vector3d x_in_camera =
+          camera_from_target.rotation * x_in_target + view.nearness[i] * camera_from_target.translation;
       const std::optional<PixelDerivatives> derivatives = pixel_derivatives(lens, x_in_camera);
       if (!derivatives) continue;
-      fit.add(derivatives->by_ray * by_motion_of_surroundings(x_in_camera), derivatives->by_intrinsics,
-              view.inverse_sigma[i] * view.inverse_sigma[i]);
+      Eigen::Matrix<double, 3, 6> motion = by_motion_of_surroundings(x_in_camera);
+      motion.rightCols<3>() *= view.nearness[i];
+      fit.add(derivatives->by_ray * motion, derivatives->by_intrinsics, view.inverse_sigma[i] * view.inverse_sigma[i]);
       if (const std::optional<int> cell = evidence.cell(lens.size, view.pixel.row(i))) ++evidence.corners[*cell];
       any = true;
     }

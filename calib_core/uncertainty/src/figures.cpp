@@ -11,7 +11,7 @@
 namespace raybundle {
 namespace {
 
-constexpr double kDepthShare = 0.95;
+constexpr double kDepthShare = 0.95;  // of the places or beams
 
 // Pixels of a grid over the image whose rays lie within the required field.
 std::vector<Eigen::Vector2d> places(const Requirement& requirement, const Camera& camera, int columns, Figure& figure) {
@@ -48,8 +48,13 @@ void sum_up(std::vector<Value> values, double share, Figure& figure) {
   figure.worst = chosen.pixel;
 }
 
-// Between the depths that the calibration states for its beams, along a power law.
-double beam_sigma(const LaserBeam& beam, double depth_m) {
+bool is_meant(const Requirement& requirement, const RigCamera& camera) {
+  return requirement.camera.empty() || requirement.camera == camera.name;
+}
+
+}  // namespace
+
+double stated_beam_sigma(const LaserBeam& beam, double depth_m) {
   for (std::size_t d = 0; d < kStatedDepthsM.size(); ++d) {
     if (depth_m == kStatedDepthsM[d]) return beam.depths[d].sigma_m;
     if (d + 1 == kStatedDepthsM.size() || depth_m < kStatedDepthsM[d] || depth_m > kStatedDepthsM[d + 1]) continue;
@@ -58,12 +63,6 @@ double beam_sigma(const LaserBeam& beam, double depth_m) {
   }
   return std::nan("");
 }
-
-bool is_meant(const Requirement& requirement, const RigCamera& camera) {
-  return requirement.camera.empty() || requirement.camera == camera.name;
-}
-
-}  // namespace
 
 std::vector<Subject> subjects_of(const Requirement& requirement, const Calibration& calibration) {
   const std::vector<RigCamera>& cameras = calibration.cameras;
@@ -83,18 +82,27 @@ std::vector<Subject> subjects_of(const Requirement& requirement, const Calibrati
   return subjects;
 }
 
+Figure figure_of_beams(const std::vector<double>& sigmas) {
+  Figure figure;
+  std::vector<Value> values;
+  for (const double sigma : sigmas) {
+    if (std::isfinite(sigma)) values.push_back({sigma, Eigen::Vector2d::Zero()});
+  }
+  sum_up(std::move(values), kDepthShare, figure);
+  return figure;
+}
+
 Figure figure_of(const Requirement& requirement, const Subject& subject, const Calibration& calibration,
                  const Covariance& covariance, int columns) {
   const RigCamera& first = calibration.cameras[subject.first];
   Figure figure;
   std::vector<Value> values;
   if (subject.laser) {
+    std::vector<double> sigmas;
     for (const LaserBeam& beam : calibration.laser->beams) {
-      const double sigma = beam_sigma(beam, requirement.range_m);
-      if (std::isfinite(sigma)) values.push_back({sigma, Eigen::Vector2d::Zero()});
+      sigmas.push_back(stated_beam_sigma(beam, requirement.range_m));
     }
-    sum_up(std::move(values), kDepthShare, figure);
-    return figure;
+    return figure_of_beams(sigmas);
   }
   std::optional<ProjectionUncertainty> lens;
   if (requirement.quantity == Quantity::kProjection && !first.evidence) return figure;

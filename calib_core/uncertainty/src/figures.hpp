@@ -29,6 +29,13 @@ struct Figure {
   double reach_rad = 0.0;                                   ///< largest angle off the axis among the places
 };
 
+/// Sigma of a beam's depth as the calibration states it, between two of kStatedDepthsM by a power of the depth; NaN
+/// outside of them.
+double stated_beam_sigma(const LaserBeam& beam, double depth_m);
+
+/// Of sigmas of beams' depths, those that are NaN left out.
+Figure figure_of_beams(const std::vector<double>& sigmas);
+
 /// Projections: the largest sigma of all places. Depths: the one that 95 % of the places or beams stay below.
 ///
 /// @param covariance  Calibration::covariance, or another one of the same parameters

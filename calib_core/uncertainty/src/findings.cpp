@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motion_findings.hpp"
 #include "raybundle/uncertainty/drift.hpp"
 #include "sensitivity.hpp"
 
@@ -103,12 +104,14 @@ std::optional<Finding> parameters_finding(const RigCamera& camera, const Covaria
       eigen.eigenvectors() * values.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
   const Eigen::VectorXd alone = information.diagonal().cwiseSqrt().cwiseInverse();
   eigen.compute(alone.asDiagonal() * information * alone.asDiagonal());
-  const double inflation = 1.0 / std::sqrt(std::max(eigen.eigenvalues()[0], 1e-15));
+  const double weakest = std::max(eigen.eigenvalues()[0], 1e-15);
+  const double inflation = 1.0 / std::sqrt(weakest), condition = eigen.eigenvalues().tail<1>()[0] / weakest;
   const bool good = inflation < kWeakDirection;
-  return Finding{camera.name, "parameters", good,
-                 fmt::format("what it tells apart least is {}: {:.0f} times worse than each alone",
-                             direction_in_words(parameters, eigen.eigenvectors().col(0)), inflation),
-                 good ? "" : "tilt the board more, near and far, or choose a model with fewer parameters"};
+  return Finding{
+      camera.name, "parameters", good,
+      fmt::format("what it tells apart least is {}: {:.0f} times worse than each alone, condition number {:.1e}",
+                  direction_in_words(parameters, eigen.eigenvectors().col(0)), inflation, condition),
+      good ? "" : "tilt the board more, near and far, or choose a model with fewer parameters"};
 }
 
 // The principal point's, which a touched lens moves first. What is less than the corners' noise does no harm.
@@ -166,7 +169,11 @@ std::vector<Finding> findings(const CalibrationProblem& problem, const Calibrati
     all.push_back(distance_finding(seen[c]));
     if (const auto finding = parameters_finding(camera, result.calibration.covariance)) all.push_back(*finding);
     if (const auto finding = drift_finding(camera, rms_px, drifts, result.calibration)) all.push_back(*finding);
+    const auto index = static_cast<int>(named - problem.cameras.begin());
+    if (const auto finding = shutter_finding(problem, result, index)) all.push_back(*finding);
   }
+  if (const auto finding = sync_finding(problem, result)) all.push_back(*finding);
+  if (const auto finding = repetition_finding(problem, result)) all.push_back(*finding);
   for (const CalibratedTarget& target : result.calibration.targets) {
     if (const auto finding = shape_finding(target)) all.push_back(*finding);
   }

@@ -14,10 +14,18 @@ namespace {
 
 constexpr double kOneFrameAlone = 0.99;  // share of what is known of a direction, from one frame
 
+// The nearest symmetric matrix without negative directions: pairs of frames that are alike make none that could be
+// trusted.
+Eigen::MatrixXd positive_part(const Eigen::MatrixXd& symmetric) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(symmetric);
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * eigen.eigenvectors().transpose();
+}
+
 }  // namespace
 
 std::optional<Covariance> covariance_by_frame(const ReducedInformation& all,
-                                              const std::vector<FrameInformation>& frames) {
+                                              const std::vector<FrameInformation>& frames,
+                                              const std::optional<Eigen::MatrixXd>& repeated) {
   const int freedom = all.residuals - all.parameters;
   if (static_cast<int>(frames.size()) < kFewestFrames || freedom <= 0) return std::nullopt;
   const Eigen::Index size = all.information.rows();
@@ -31,14 +39,18 @@ std::optional<Covariance> covariance_by_frame(const ReducedInformation& all,
   // In coordinates in which the whole information is one, a frame's share b of a direction tells how much of the
   // frame's own error its residuals still show: 1 - b. The middle of the sandwich is the sum of the mended gradients'
   // squares.
+  const auto in_coordinates = [&](const Eigen::MatrixXd& symmetric) {
+    Eigen::MatrixXd result = scale.asDiagonal() * symmetric * scale.asDiagonal();
+    lower.solveInPlace(result);
+    result.transposeInPlace();
+    lower.solveInPlace(result);
+    return result;
+  };
   const double variance_factor = all.chi2 / freedom;
   Eigen::MatrixXd plain = Eigen::MatrixXd::Identity(size, size);  // what is not told by frames
   Eigen::MatrixXd middle = Eigen::MatrixXd::Zero(size, size);
   for (const FrameInformation& frame : frames) {
-    Eigen::MatrixXd share = scale.asDiagonal() * frame.information * scale.asDiagonal();
-    lower.solveInPlace(share);
-    share.transposeInPlace();
-    lower.solveInPlace(share);
+    const Eigen::MatrixXd share = in_coordinates(frame.information);
     Eigen::VectorXd gradient = scale.asDiagonal() * frame.gradient;
     lower.solveInPlace(gradient);
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(share);
@@ -56,6 +68,7 @@ std::optional<Covariance> covariance_by_frame(const ReducedInformation& all,
     middle += mended * mended.transpose();
   }
   middle += variance_factor * plain;
+  if (repeated) middle += variance_factor * positive_part(in_coordinates(*repeated));
 
   // L⁻ᵀ middle L⁻¹, then out of the scaled columns.
   Eigen::MatrixXd half = middle;

@@ -4,6 +4,8 @@
 
 #include <Eigen/QR>
 
+#include "sensitivity.hpp"
+
 namespace raybundle {
 
 Eigen::Matrix<double, 6, Eigen::Dynamic> MotionFit::undoing() const {
@@ -14,11 +16,11 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> MotionFit::undoing() const {
   return -(scale.asDiagonal() * solver.solve(scale.asDiagonal() * with_changes));
 }
 
-Eigen::Matrix<double, 2, 6> by_motion_at(const PixelDerivatives& derivatives, const Eigen::Vector3d& ray,
+Eigen::Matrix<double, 2, 6> by_motion_at(const Eigen::Matrix<double, 2, 3>& by_ray, const Eigen::Vector3d& ray,
                                          double range_m) {
   Eigen::Matrix<double, 3, 6> motion = by_motion_of_surroundings(ray);
   motion.rightCols<3>() /= range_m;  // the pixel depends on the direction only: everything is scaled to the ray
-  return derivatives.by_ray * motion;
+  return by_ray * motion;
 }
 
 }  // namespace raybundle

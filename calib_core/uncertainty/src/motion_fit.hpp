@@ -4,8 +4,6 @@
 
 #include <Eigen/Core>
 
-#include "sensitivity.hpp"
-
 namespace raybundle {
 
 /// The motion of the surroundings that undoes changes of the image, by weighted least squares over pixels.
@@ -29,7 +27,7 @@ struct MotionFit {
 };
 
 /// How a pixel moves with the motion of a point at a range along a ray; translations do not move infinitely far ones.
-Eigen::Matrix<double, 2, 6> by_motion_at(const PixelDerivatives& derivatives, const Eigen::Vector3d& ray,
+Eigen::Matrix<double, 2, 6> by_motion_at(const Eigen::Matrix<double, 2, 3>& by_ray, const Eigen::Vector3d& ray,
                                          double range_m);
 
 }  // namespace raybundle

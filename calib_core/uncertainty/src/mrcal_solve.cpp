@@ -30,6 +30,12 @@ Rigid3 rigid3_from(const mrcal_pose_t& pose) {
   return {Eigen::Quaterniond(rotation_from_vector(Eigen::Vector3d(pose.r.xyz))), Eigen::Vector3d(pose.t.xyz)};
 }
 
+Rigid3 target_from(const GridOfPoints& grid) {
+  Rigid3 target_from_grid;
+  target_from_grid.translation.head<2>() = grid.origin_m;
+  return target_from_grid;
+}
+
 // The arrays that the optimiser reads and overwrites.
 struct Arrays {
   std::vector<double> intrinsics;
@@ -40,17 +46,15 @@ struct Arrays {
   mrcal_calobject_warp_t shape{};
 
   explicit Arrays(const MrcalProblem& problem) {
-    for (const RigCamera& camera : problem.cameras) {
-      intrinsics.insert(intrinsics.end(), camera.camera.parameters.begin(), camera.camera.parameters.end());
-      image_sizes.push_back(camera.camera.size.width);
-      image_sizes.push_back(camera.camera.size.height);
+    for (const MrcalCamera& camera : problem.cameras) {
+      intrinsics.insert(intrinsics.end(), camera.parameters.begin(), camera.parameters.end());
+      image_sizes.push_back(camera.size.width);
+      image_sizes.push_back(camera.size.height);
     }
     for (std::size_t c = 1; c < problem.cameras.size(); ++c) {
       extrinsics.push_back(pose_from(problem.cameras[c].camera_from_rig));
     }
-    Rigid3 target_from_grid;
-    target_from_grid.translation.head<2>() = problem.grid.origin_m;
-    for (const Rigid3& pose : problem.rig_from_target) frames.push_back(pose_from(pose * target_from_grid));
+    for (const Rigid3& pose : problem.rig_from_target) frames.push_back(pose_from(pose * target_from(problem.grid)));
     const std::size_t nodes = static_cast<std::size_t>(problem.grid.rows) * problem.grid.columns;
     for (const MrcalView& view : problem.views) {
       boards.push_back({.icam = {.intrinsics = view.camera, .extrinsics = view.camera - 1}, .iframe = view.pose});
@@ -67,6 +71,18 @@ struct Arrays {
     }
   }
 };
+
+mrcal_problem_selections_t selections_of(const MrcalProblem& problem, const mrcal_lensmodel_t& model) {
+  const bool splined = model.type == MRCAL_LENSMODEL_SPLINED_STEREOGRAPHIC;
+  mrcal_problem_selections_t selections{};
+  selections.do_optimize_intrinsics_core = !splined;
+  selections.do_optimize_intrinsics_distortions = mrcal_lensmodel_num_params(&model) > 4;
+  selections.do_optimize_extrinsics = problem.cameras.size() > 1;
+  selections.do_optimize_frames = true;
+  selections.do_optimize_calobject_warp = problem.with_shape;
+  selections.do_apply_regularization = splined;
+  return selections;
+}
 
 // Of the corners that take part, without their weights.
 double rms_px(const MrcalProblem& problem, const std::vector<double>& residuals) {
@@ -91,12 +107,7 @@ std::optional<MrcalAnswer> solve_with_mrcal(const MrcalProblem& problem) {
   mrcal_lensmodel_t model;
   if (!mrcal_lensmodel_from_name(&model, problem.lens_model.c_str())) return std::nullopt;
   Arrays arrays(problem);
-  mrcal_problem_selections_t selections{};
-  selections.do_optimize_intrinsics_core = true;
-  selections.do_optimize_intrinsics_distortions = mrcal_lensmodel_num_params(&model) > 4;
-  selections.do_optimize_extrinsics = problem.cameras.size() > 1;
-  selections.do_optimize_frames = true;
-  selections.do_optimize_calobject_warp = problem.with_shape;
+  const mrcal_problem_selections_t selections = selections_of(problem, model);
   const mrcal_problem_constants_t constants{.point_min_range = 1e-3, .point_max_range = 1e6};
   const int cameras = static_cast<int>(problem.cameras.size()), extrinsics = cameras - 1;
   const int frames = static_cast<int>(arrays.frames.size()), views = static_cast<int>(arrays.boards.size());
@@ -112,14 +123,39 @@ std::optional<MrcalAnswer> solve_with_mrcal(const MrcalProblem& problem) {
       problem.grid.columns, problem.grid.rows, false, false);
   if (!(stats.rms_reproj_error__pixels >= 0.0)) return std::nullopt;
 
-  MrcalAnswer answer{problem.cameras, rms_px(problem, residuals)};
+  MrcalAnswer answer{problem.cameras, {}, rms_px(problem, residuals)};
   const auto size = static_cast<std::size_t>(mrcal_lensmodel_num_params(&model));
   for (std::size_t c = 0; c < answer.cameras.size(); ++c) {
-    answer.cameras[c].camera.parameters =
+    answer.cameras[c].parameters =
         Eigen::Map<const Eigen::VectorXd>(&arrays.intrinsics[c * size], static_cast<Eigen::Index>(size));
     if (c > 0) answer.cameras[c].camera_from_rig = rigid3_from(arrays.extrinsics[c - 1]);
   }
+  for (const mrcal_pose_t& frame : arrays.frames) {
+    answer.rig_from_target.push_back(rigid3_from(frame) * target_from(problem.grid).inverse());
+  }
   return answer;
+}
+
+int mrcal_parameter_count(const std::string& lens_model) {
+  mrcal_lensmodel_t model;
+  return mrcal_lensmodel_from_name(&model, lens_model.c_str()) ? mrcal_lensmodel_num_params(&model) : 0;
+}
+
+MrcalPixel mrcal_pixel(const std::string& lens_model, const Eigen::VectorXd& parameters, const Eigen::Vector3d& ray,
+                       bool by_parameters) {
+  mrcal_lensmodel_t model;
+  mrcal_lensmodel_from_name(&model, lens_model.c_str());
+  mrcal_point3_t point;
+  for (int k = 0; k < 3; ++k) point.xyz[k] = ray[k];
+  mrcal_point2_t pixel;
+  mrcal_point3_t by_ray[2];
+  Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::RowMajor> rows(2, by_parameters ? parameters.size() : 0);
+  mrcal_project(&pixel, by_ray, by_parameters ? rows.data() : nullptr, &point, 1, &model, parameters.data());
+  MrcalPixel seen{{pixel.x, pixel.y}, {{}, rows}};
+  for (int axis = 0; axis < 2; ++axis) {
+    seen.derivatives.by_ray.row(axis) = Eigen::Map<const Eigen::RowVector3d>(by_ray[axis].xyz);
+  }
+  return seen;
 }
 
 }  // namespace raybundle
@@ -131,6 +167,10 @@ namespace raybundle {
 bool mrcal_available() { return false; }
 
 std::optional<MrcalAnswer> solve_with_mrcal(const MrcalProblem&) { return std::nullopt; }
+
+int mrcal_parameter_count(const std::string&) { return 0; }
+
+MrcalPixel mrcal_pixel(const std::string&, const Eigen::VectorXd&, const Eigen::Vector3d&, bool) { return {}; }
 
 }  // namespace raybundle
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "raybundle/scene/calibration.hpp"
+#include "sensitivity.hpp"
 
 namespace raybundle {
 
@@ -32,18 +33,26 @@ struct MrcalView {
   std::vector<MrcalCorner> corners;
 };
 
-/// What mrcal's optimiser is given. Cameras and poses are where it starts.
+struct MrcalCamera {
+  ImageSize size;
+  Eigen::VectorXd parameters;  ///< of the problem's lens model: fx fy cx cy, then its own
+  Rigid3 camera_from_rig;
+};
+
+/// What mrcal's optimiser is given. Cameras and poses are where it starts. Of splined models the first four parameters
+/// stay, for the knots can do all that they do, and mrcal's regularisation holds the knots that no corner sees.
 struct MrcalProblem {
   std::string lens_model;  ///< LENSMODEL_...
   GridOfPoints grid;
-  std::vector<RigCamera> cameras = {};  ///< the first one's frame is the rig frame
+  std::vector<MrcalCamera> cameras = {};  ///< the first one's frame is the rig frame
   std::vector<Rigid3> rig_from_target = {};
   std::vector<MrcalView> views = {};
   bool with_shape = false;
 };
 
 struct MrcalAnswer {
-  std::vector<RigCamera> cameras;
+  std::vector<MrcalCamera> cameras;
+  std::vector<Rigid3> rig_from_target;
   double rms_px = 0.0;  ///< unweighted; root of the mean squared distance
 };
 
@@ -52,5 +61,16 @@ bool mrcal_available();
 
 /// Nothing when the optimiser fails.
 std::optional<MrcalAnswer> solve_with_mrcal(const MrcalProblem& problem);
+
+/// How many parameters a lens model of mrcal has.
+int mrcal_parameter_count(const std::string& lens_model);
+
+/// Where a lens of mrcal sees a ray; derivatives by the parameters only when asked for, for splines have hundreds.
+struct MrcalPixel {
+  Eigen::Vector2d pixel;
+  PixelDerivatives derivatives;
+};
+MrcalPixel mrcal_pixel(const std::string& lens_model, const Eigen::VectorXd& parameters, const Eigen::Vector3d& ray,
+                       bool by_parameters = false);
 
 }  // namespace raybundle

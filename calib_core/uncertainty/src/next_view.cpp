@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "beam_knowledge.hpp"
 #include "board_candidates.hpp"
 #include "figures.hpp"
 #include "pose_information.hpp"
@@ -50,7 +51,29 @@ double corner_sigma(const CalibrationProblem& problem, const CalibrationResult& 
   return median(sigmas) * std::sqrt(result.variance_factor);
 }
 
-// What the views are to reduce, for any covariance of the calibration's parameters.
+// What is known of the cameras and, where a laser's depth is required, of its beams; or what a view adds to it.
+struct Knowledge {
+  Covariance parameters;
+  BeamMatrices beams;
+};
+
+struct Information {
+  Eigen::MatrixXd of_parameters;
+  BeamMatrices of_beams;
+};
+
+Knowledge updated(const Knowledge& known, const Information& added) {
+  Knowledge result = known;
+  if (added.of_parameters.size() > 0) {
+    result.parameters.matrix = updated(known.parameters.matrix, added.of_parameters);
+  }
+  for (std::size_t b = 0; b < added.of_beams.size(); ++b) {
+    if (!added.of_beams[b].isZero(0.0)) result.beams[b] = updated(known.beams[b], added.of_beams[b]);
+  }
+  return result;
+}
+
+// What the views are to reduce, whatever is known.
 struct Objective {
   const Calibration& calibration;
   std::optional<Requirement> requirement;
@@ -61,30 +84,37 @@ struct Objective {
     if (!movable) return;
     requirement = wanted;
     subjects = subjects_of(*wanted, of);
-    std::erase_if(subjects, &Subject::laser);
     if (subjects.empty()) requirement.reset();
   }
 
+  bool needs_beams() const { return std::ranges::any_of(subjects, &Subject::laser); }
+  bool needs_parameters() const { return !std::ranges::all_of(subjects, &Subject::laser) || subjects.empty(); }
+
   // What the requirement limits, of the subject that is worst; else the same as cost.
-  double figure(const Covariance& covariance) const {
-    if (!requirement) return rms(covariance);
+  double figure(const Knowledge& known) const {
+    if (!requirement) return rms(known.parameters);
     double worst = 0.0;
     for (const Subject& subject : subjects) {
-      const double value = figure_of(*requirement, subject, calibration, covariance, kPlacesAcross).value;
+      const double value = figure(subject, known).value;
       if (std::isfinite(value)) worst = std::max(worst, value);
     }
     return worst;
   }
 
   // What views are chosen by: all places count, the worst ones most, so that views for different places add up.
-  double cost(const Covariance& covariance) const {
-    if (!requirement) return rms(covariance);
+  double cost(const Knowledge& known) const {
+    if (!requirement) return rms(known.parameters);
     double squares = 0.0;
     for (const Subject& subject : subjects) {
-      const double value = figure_of(*requirement, subject, calibration, covariance, kPlacesAcross).rms;
+      const double value = figure(subject, known).rms;
       if (std::isfinite(value)) squares += value * value;
     }
     return std::sqrt(squares);
+  }
+
+  Figure figure(const Subject& subject, const Knowledge& known) const {
+    if (subject.laser) return figure_of_beams(beam_sigmas(calibration, known.beams, requirement->range_m));
+    return figure_of(*requirement, subject, calibration, known.parameters, kPlacesAcross);
   }
 
   // Root mean square over all images.
@@ -105,7 +135,8 @@ struct Objective {
   }
 
   std::string words() const {
-    return requirement ? "what '" + requirement->text + "' limits, at its worst, by the noise of the corners"
+    return requirement ? "what '" + requirement->text + "' limits, at its worst, by the noise of the corners" +
+                             (needs_beams() ? " and dots" : "")
                        : "the sigma of projections at infinity, root mean square over all images";
   }
 };
@@ -113,7 +144,7 @@ struct Objective {
 // A candidate with what its views would add, and by how much it lowered the cost when it was last looked at.
 struct Choice {
   BoardCandidate board;
-  Eigen::MatrixXd information;
+  Information information;
   double gain = std::numeric_limits<double>::infinity();
 };
 
@@ -131,13 +162,13 @@ std::optional<int> usual_target(const CalibrationProblem& problem) {
 
 // Gains hardly ever grow as views are added, so one that was too small in the round before need not be looked at again
 // (lazy greedy selection, Minoux 1978).
-const Choice& best_choice(const Objective& objective, const Covariance& covariance, std::vector<Choice>& choices) {
-  const double before = objective.cost(covariance);
+const Choice& best_choice(const Objective& objective, const Knowledge& known, std::vector<Choice>& choices) {
+  const double before = objective.cost(known);
   std::ranges::stable_sort(choices, std::ranges::greater{}, &Choice::gain);
   std::size_t best = 0;
   double most = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < choices.size() && choices[i].gain > most; ++i) {
-    choices[i].gain = before - objective.cost({covariance.names, updated(covariance.matrix, choices[i].information)});
+    choices[i].gain = before - objective.cost(updated(known, choices[i].information));
     if (choices[i].gain > most) best = i, most = choices[i].gain;
   }
   return choices[best];
@@ -156,32 +187,39 @@ Covariance covariance_with_board(const Calibration& calibration, int target, con
 
 NextViews next_best_views(const CalibrationProblem& problem, const CalibrationResult& result,
                           const std::optional<Requirement>& requirement, int count) {
-  Calibration calibration = result.calibration;  // its covariance follows the views that have been chosen
+  const Calibration& calibration = result.calibration;
   const Objective objective(calibration, requirement);
   NextViews next;
   if (objective.requirement) next.quantity = objective.requirement->quantity;
   next.objective = objective.words();
   const std::optional<int> target = usual_target(problem);
   if (!target) return next;
-  const double sigma_px = corner_sigma(problem, result);
+  const double corner_px = corner_sigma(problem, result), dot_px = dot_sigma(problem, result);
+  Knowledge known{calibration.covariance, calibration.laser ? stated_beams(calibration) : BeamMatrices{}};
   const std::vector<CameraCoverage> seen = coverage(problem, result);
   std::vector<Choice> choices;
   for (int c = 0; c < static_cast<int>(calibration.cameras.size()); ++c) {
     if (!calibration.cameras[c].evidence) continue;
     for (BoardCandidate& board : board_candidates(calibration, c, *target, seen[c])) {
-      const std::vector<ViewData> views = imagined_views(calibration, *target, board.rig_from_target, sigma_px);
-      Eigen::MatrixXd information = pose_information(calibration, views, board.rig_from_target).information;
+      const Rigid3& pose = board.rig_from_target;
+      Information information;
+      if (objective.needs_parameters()) {
+        const std::vector<ViewData> views = imagined_views(calibration, *target, pose, corner_px);
+        information.of_parameters = pose_information(calibration, views, pose).information;
+      }
+      if (objective.needs_beams() && dot_px > 0.0) {
+        information.of_beams = imagined_dots(calibration, *target, pose, dot_px);
+      }
       choices.push_back({std::move(board), std::move(information)});
     }
   }
   for (int k = 0; k < count && !choices.empty(); ++k) {
-    const Choice& best = best_choice(objective, calibration.covariance, choices);
+    const Choice& best = best_choice(objective, known, choices);
     if (!(best.gain > 0.0)) break;
     const Rigid3& pose = best.board.rig_from_target;
-    const double before = objective.figure(calibration.covariance);
-    calibration.covariance.matrix = updated(calibration.covariance.matrix, best.information);
-    NextView view{
-        best.board.camera, *target, pose, best.board.text, before, objective.figure(calibration.covariance), {}};
+    const double before = objective.figure(known);
+    known = updated(known, best.information);
+    NextView view{best.board.camera, *target, pose, best.board.text, before, objective.figure(known), {}};
     for (const RigCamera& camera : calibration.cameras) {
       view.outlines.push_back(outline_in_image(camera, calibration.targets[*target].target, pose));
     }

@@ -8,6 +8,7 @@
 #include "motion_fit.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/uncertainty/image_cells.hpp"
+#include "sensitivity.hpp"
 
 namespace raybundle {
 namespace {
@@ -23,17 +24,42 @@ struct Cell {
   double weight = 1.0;
 };
 
-std::vector<Cell> common_cells(const RigCamera& a, const RigCamera& b, int rows, int columns) {
+std::vector<Cell> covered_cells(const RigCamera& a, int columns) {
+  const int rows = rows_of_square_cells(a.camera.size, columns);
   std::vector<Cell> cells;
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
       const Eigen::Vector2d pixel = middle_of_cell(a.camera.size, rows, columns, row, column);
-      if (!a.evidence->covers(a.camera.size, pixel) || !b.evidence->covers(b.camera.size, pixel)) continue;
+      if (!a.evidence->covers(a.camera.size, pixel)) continue;
       const std::optional<Eigen::Vector3d> ray = ray_from_pixel(a.camera, pixel);
-      if (ray && ray_from_pixel(b.camera, pixel)) cells.push_back({row, column, pixel, *ray, 1.0});
+      if (ray) cells.push_back({row, column, pixel, *ray, 1.0});
     }
   }
   return cells;
+}
+
+std::vector<Cell> common_cells(const RigCamera& a, const RigCamera& b, int columns) {
+  std::vector<Cell> cells = covered_cells(a, columns);
+  std::erase_if(cells, [&](const Cell& cell) {
+    return !b.evidence->covers(b.camera.size, cell.pixel) || !ray_from_pixel(b.camera, cell.pixel);
+  });
+  return cells;
+}
+
+void require_cells(const RigCamera& a, const std::vector<Cell>& cells) {
+  if (static_cast<int>(cells.size()) >= kFewestCells) return;
+  throw Error(ErrorKind::kBadInput, "the two calibrations of camera " + a.name +
+                                        " saw corners in common in hardly any part of the image; there is nothing to "
+                                        "compare");
+}
+
+Lens lens_of(const Camera& camera) {
+  return [&camera](const Eigen::Vector3d& ray) -> std::optional<SeenRay> {
+    const std::optional<Eigen::Vector2d> pixel = pixel_from_ray(camera, ray);
+    const std::optional<PixelDerivatives> derivatives = pixel_derivatives(camera, ray);
+    if (!pixel || !derivatives) return std::nullopt;
+    return SeenRay{*pixel, derivatives->by_ray};
+  };
 }
 
 Eigen::Vector3d moved(const Rigid3& b_from_a, const Eigen::Vector3d& ray, double range_m) {
@@ -41,16 +67,15 @@ Eigen::Vector3d moved(const Rigid3& b_from_a, const Eigen::Vector3d& ray, double
 }
 
 // Gauss-Newton from standing still; lenses of one camera differ by little.
-Rigid3 fitted_motion(const Camera& b, const std::vector<Cell>& cells, double range_m) {
+Rigid3 fitted_motion(const Lens& b, const std::vector<Cell>& cells, double range_m) {
   constexpr int kIterations = 10;
   Rigid3 b_from_a;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     MotionFit fit(1);
     for (const Cell& cell : cells) {
       const Eigen::Vector3d ray = moved(b_from_a, cell.ray_in_a, range_m);
-      const std::optional<Eigen::Vector2d> pixel = pixel_from_ray(b, ray);
-      const std::optional<PixelDerivatives> derivatives = pixel_derivatives(b, ray);
-      if (pixel && derivatives) fit.add(by_motion_at(*derivatives, ray, range_m), *pixel - cell.pixel, cell.weight);
+      const std::optional<SeenRay> seen = b(ray);
+      if (seen) fit.add(by_motion_at(seen->by_ray, ray, range_m), seen->pixel - cell.pixel, cell.weight);
     }
     const Eigen::Matrix<double, 6, 1> step = fit.undoing();
     b_from_a = perturbed(Rigid3{}, step) * b_from_a;
@@ -67,7 +92,7 @@ ProjectionUncertainty after_fit(const RigCamera& camera, const Covariance& covar
   for (const Cell& cell : cells) {
     const std::optional<Eigen::Vector3d> ray = ray_from_pixel(camera.camera, cell.pixel);
     const std::optional<PixelDerivatives> derivatives = pixel_derivatives(camera.camera, *ray);
-    if (derivatives) fit.add(by_motion_at(*derivatives, *ray, range_m), derivatives->by_intrinsics, cell.weight);
+    if (derivatives) fit.add(by_motion_at(derivatives->by_ray, *ray, range_m), derivatives->by_intrinsics, cell.weight);
   }
   uncertainty.implied_motion = fit.undoing();
   return uncertainty;
@@ -109,37 +134,57 @@ void summarize(ProjectionDifference& difference) {
   difference.share_within = share_within(difference, kMostSummedSigmas);
 }
 
+// The map of a's cells; sigmas are filled in later.
+ProjectionDifference difference_of(const RigCamera& a, const Lens& b, const std::vector<Cell>& cells, double range_m,
+                                   int columns) {
+  ProjectionDifference difference;
+  difference.camera = a.name;
+  difference.size = a.camera.size;
+  difference.range_m = range_m;
+  difference.u_px = Eigen::MatrixXd::Constant(rows_of_square_cells(a.camera.size, columns), columns, std::nan(""));
+  difference.v_px = difference.sigma_px = difference.u_px;
+  difference.b_from_a = fitted_motion(b, cells, range_m);
+  for (const Cell& cell : cells) {
+    const std::optional<SeenRay> seen = b(moved(difference.b_from_a, cell.ray_in_a, range_m));
+    if (!seen) continue;
+    difference.u_px(cell.row, cell.column) = seen->pixel.x() - cell.pixel.x();
+    difference.v_px(cell.row, cell.column) = seen->pixel.y() - cell.pixel.y();
+  }
+  return difference;
+}
+
 }  // namespace
 
 ProjectionDifference projection_difference(const RigCamera& a, const Covariance& covariance_a, const RigCamera& b,
                                            const Covariance& covariance_b, double range_m, int columns) {
   const ProjectionUncertainty alone_a = projection_uncertainty(a, covariance_a);
   const ProjectionUncertainty alone_b = projection_uncertainty(b, covariance_b);
-  const int rows = rows_of_square_cells(a.camera.size, columns);
-  std::vector<Cell> cells = common_cells(a, b, rows, columns);
-  if (static_cast<int>(cells.size()) < kFewestCells) {
-    throw Error(ErrorKind::kBadInput, "the two calibrations of camera " + a.name +
-                                          " saw corners in common in hardly any part of the image; there is nothing to "
-                                          "compare");
-  }
+  std::vector<Cell> cells = common_cells(a, b, columns);
+  require_cells(a, cells);
   weigh(alone_a, alone_b, range_m, cells);
-
-  ProjectionDifference difference;
-  difference.camera = a.name;
-  difference.size = a.camera.size;
-  difference.range_m = range_m;
-  difference.u_px = Eigen::MatrixXd::Constant(rows, columns, std::nan(""));
-  difference.v_px = difference.sigma_px = difference.u_px;
-  difference.b_from_a = fitted_motion(b.camera, cells, range_m);
+  ProjectionDifference difference = difference_of(a, lens_of(b.camera), cells, range_m, columns);
   const ProjectionUncertainty fitted_a = after_fit(a, covariance_a, cells, range_m);
   const ProjectionUncertainty fitted_b = after_fit(b, covariance_b, cells, range_m);
   for (const Cell& cell : cells) {
-    const auto pixel = pixel_from_ray(b.camera, moved(difference.b_from_a, cell.ray_in_a, range_m));
-    if (!pixel) continue;
-    difference.u_px(cell.row, cell.column) = pixel->x() - cell.pixel.x();
-    difference.v_px(cell.row, cell.column) = pixel->y() - cell.pixel.y();
+    if (!std::isfinite(difference.u_px(cell.row, cell.column))) continue;
     difference.sigma_px(cell.row, cell.column) =
         sigma_at(fitted_a, cell.pixel, range_m) + sigma_at(fitted_b, cell.pixel, range_m);
+  }
+  summarize(difference);
+  return difference;
+}
+
+ProjectionDifference projection_difference(const RigCamera& a, const Covariance& covariance_a, const Lens& b,
+                                           int columns) {
+  const ProjectionUncertainty alone = projection_uncertainty(a, covariance_a);
+  std::vector<Cell> cells = covered_cells(a, columns);
+  require_cells(a, cells);
+  weigh(alone, alone, kInfinitelyFar, cells);
+  ProjectionDifference difference = difference_of(a, b, cells, kInfinitelyFar, columns);
+  const ProjectionUncertainty fitted = after_fit(a, covariance_a, cells, kInfinitelyFar);
+  for (const Cell& cell : cells) {
+    if (!std::isfinite(difference.u_px(cell.row, cell.column))) continue;
+    difference.sigma_px(cell.row, cell.column) = 2.0 * sigma_at(fitted, cell.pixel, kInfinitelyFar);
   }
   summarize(difference);
   return difference;

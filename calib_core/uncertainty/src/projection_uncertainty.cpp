@@ -8,6 +8,7 @@
 #include "motion_fit.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/uncertainty/image_cells.hpp"
+#include "sensitivity.hpp"
 
 namespace raybundle {
 
@@ -36,7 +37,7 @@ std::optional<Eigen::Matrix2d> projection_covariance(const ProjectionUncertainty
   const std::optional<PixelDerivatives> derivatives = pixel_derivatives(uncertainty.camera, *ray);
   if (!derivatives) return std::nullopt;
   const Eigen::Matrix2Xd by_parameters =
-      derivatives->by_intrinsics + by_motion_at(*derivatives, *ray, range_m) * uncertainty.implied_motion;
+      derivatives->by_intrinsics + by_motion_at(derivatives->by_ray, *ray, range_m) * uncertainty.implied_motion;
   return by_parameters * uncertainty.covariance * by_parameters.transpose();
 }
 

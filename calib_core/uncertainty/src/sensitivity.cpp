@@ -41,6 +41,10 @@ std::vector<std::string> extrinsic_names(const RigCamera& camera) {
   return names;
 }
 
+std::vector<std::string> shape_names(const Target& target) {
+  return {target.name + ".bend_x", target.name + ".bend_y", target.name + ".twist"};
+}
+
 std::vector<int> places_of(const std::vector<std::string>& names, const Covariance& covariance) {
   std::vector<int> places;
   for (const std::string& name : names) {

@@ -29,6 +29,9 @@ std::vector<std::string> intrinsic_names(const RigCamera& camera);
 /// left.camera_from_rig.rotation_x, ...
 std::vector<std::string> extrinsic_names(const RigCamera& camera);
 
+/// board.bend_x, ...
+std::vector<std::string> shape_names(const Target& target);
+
 /// Where each of the names stands in the covariance; -1 for parameters that were not estimated.
 std::vector<int> places_of(const std::vector<std::string>& names, const Covariance& covariance);
 

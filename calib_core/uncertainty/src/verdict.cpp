@@ -30,7 +30,7 @@ Grade grade_of(const Requirement& requirement, double value) {
                                                                                         : Grade::kMarginal;
 }
 
-double baseline_sigma(const RigCamera& camera, const Covariance& covariance) {
+double baseline_sigma_by(const Covariance& covariance, const RigCamera& camera) {
   const Eigen::Vector3d along = camera.camera_from_rig.translation.normalized();
   std::vector<Eigen::Index> places;
   for (const char* axis : {"x", "y", "z"}) {
@@ -40,12 +40,6 @@ double baseline_sigma(const RigCamera& camera, const Covariance& covariance) {
     places.push_back(found - covariance.names.begin());
   }
   return std::sqrt(along.dot(Eigen::Matrix3d(covariance.matrix(places, places)) * along));
-}
-
-double worse_baseline_sigma(const RigCamera& camera, const Calibration& calibration) {
-  const double sigma = baseline_sigma(camera, calibration.covariance);
-  return calibration.covariance_by_frame ? std::max(sigma, baseline_sigma(camera, *calibration.covariance_by_frame))
-                                         : sigma;
 }
 
 // With views like those that there are, sigmas fall with the root of their number.
@@ -120,7 +114,7 @@ Measured measured(const Requirement& requirement, const Subject& subject, const 
     case Quantity::kDepth:
       return measured_depth(requirement, subject, calibration);
     case Quantity::kBaseline:
-      return {worse_baseline_sigma(calibration.cameras[subject.second], calibration), {}, {}, false};
+      return {baseline_sigma(calibration.cameras[subject.second], calibration), {}, {}, false};
     case Quantity::kCoverage:
       return {seen.image_share, " of the image",
               seen.empty_regions.empty() ? std::string("hold the board nearer to the edges of the image")
@@ -151,8 +145,7 @@ std::string advice_for(const Requirement& requirement, const Measured& found, in
 Judgement judged(const Requirement& requirement, const Subject& subject, const CalibrationProblem& problem,
                  const CalibrationResult& result, const CameraCoverage& seen) {
   const Measured found = measured(requirement, subject, problem, result, seen);
-  Judgement judgement{requirement, subject.name, subject.laser, grade_of(requirement, found.value), found.value, {},
-                      {}};
+  Judgement judgement{requirement, subject.name, grade_of(requirement, found.value), found.value, {}, {}};
   const bool known = std::isfinite(found.value);
   judgement.reason = quantity_words(requirement.quantity) +
                      (known ? text_with_unit(requirement.quantity, found.value) : "an unknown amount") + found.where;
@@ -165,7 +158,7 @@ Judgement judged(const Requirement& requirement, const Subject& subject, const C
 
 // A requirement that the result has nothing to hold against.
 Judgement unjudged(const Requirement& requirement, const std::string& subject, const std::string& reason) {
-  return {requirement, subject, false, Grade::kFail, std::nan(""), reason, "see the warnings"};
+  return {requirement, subject, Grade::kFail, std::nan(""), reason, "see the warnings"};
 }
 
 // Of cameras that are meant but were not calibrated.
@@ -201,6 +194,12 @@ std::string doubt(const CalibrationResult& result) {
 }
 
 }  // namespace
+
+double baseline_sigma(const RigCamera& camera, const Calibration& calibration) {
+  const double sigma = baseline_sigma_by(calibration.covariance, camera);
+  if (!calibration.covariance_by_frame) return sigma;
+  return std::max(sigma, baseline_sigma_by(*calibration.covariance_by_frame, camera));
+}
 
 const char* grade_name(Grade grade) {
   static constexpr const char* kNames[] = {"pass", "marginal", "fail"};

@@ -7,6 +7,9 @@
 
 namespace raybundle {
 
+/// Cells of CornerEvidence along the longer side of an image.
+inline constexpr int kEvidenceCells = 16;
+
 /// What a camera's used corners say beside its parameters; nothing when it has none. Kept in a saved calibration, it
 /// is all that projection_uncertainty.hpp needs of the solve.
 ///

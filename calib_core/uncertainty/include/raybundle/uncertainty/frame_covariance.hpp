@@ -20,11 +20,15 @@ inline constexpr int kFewestFrames = 10;
 /// It has the right expectation when the corners are independent after all, but is good to some 1 / sqrt(2 frames)
 /// only. Directions that one frame alone determines, and priors, keep their plain variance.
 ///
+/// Frames are independent witnesses, unless they repeat each other.
+///
+/// @param repeated  of repeated_errors()
 /// @return  names as `all`; nothing for fewer than kFewestFrames or when the data does not see a direction at all
 /// Source: Bell and McCaffrey 2002, Bias reduction in standard errors for linear regression with multi-stage samples
 ///         (the cluster-robust sandwich known as CR2).
 std::optional<Covariance> covariance_by_frame(const ReducedInformation& all,
-                                              const std::vector<FrameInformation>& frames);
+                                              const std::vector<FrameInformation>& frames,
+                                              const std::optional<Eigen::MatrixXd>& repeated = {});
 
 /// A parameter that the frames disagree about by more than its sigma says.
 struct FrameScatter {

@@ -35,7 +35,9 @@ struct NextViews {
 /// are chosen one after another by the root mean square over all places that count.
 ///
 /// @param requirement  whose figure is to become smaller; nothing: the root mean square sigma of all projections at
-///                     infinity. Of a requirement on other than projections and stereo depths, also that.
+///                     infinity. Of a requirement on other than projections and depths, also that. Depths of a
+///                     laser's dots follow what the board would tell of the beams that meet it, the cameras staying as
+///                     well known as they are.
 NextViews next_best_views(const CalibrationProblem& problem, const CalibrationResult& result,
                           const std::optional<Requirement>& requirement, int count = 3);
 

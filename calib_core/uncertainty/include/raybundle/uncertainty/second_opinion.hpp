@@ -4,28 +4,33 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "raybundle/scene/problem.hpp"
 #include "raybundle/scene/result.hpp"
+#include "raybundle/uncertainty/comparison.hpp"
 
 namespace raybundle {
 
 /// What another program makes of the corners that a solve used.
 struct SecondOpinion {
-  std::optional<Calibration> calibration;  ///< cameras and rig; evidence and covariance are the first opinion's
-  Calibration counterpart;  ///< what it is to be held against: the first opinion, or its like by what mrcal knows
-  double rms_px = 0.0;      ///< root of the mean squared distance
-  std::string source;       ///< `mrcal, LENSMODEL_OPENCV8`
-  std::string remark;       ///< how the counterpart differs from the first opinion; empty: not at all
-  std::string why_not;      ///< without a calibration: the reason, one sentence
+  std::string source;  ///< `mrcal, LENSMODEL_OPENCV8`
+  /// The first opinion, or its like by what mrcal knows, against this one.
+  std::optional<CalibrationComparison> comparison = {};
+  double rms_px = 0.0;                          ///< root of the mean squared distance
+  std::optional<double> approximation_px = {};  ///< how near the nearest of these lenses, if they are splines, comes
+  std::string remark;                           ///< what is to be known of the comparison
+  std::string why_not;                          ///< without a comparison: the reason, one clause
 };
 
-/// Solves for cameras, rig, board poses and board shape with mrcal's optimiser, from lenses some percent away and the
-/// poses of the first opinion. Corners that the first opinion left out stay out. mrcal's boards bend along x and y, but
-/// have no twist, and it knows no dots: where the first opinion has either, the counterpart is solved again without.
+/// Solves for cameras, rig, board poses and board shape with mrcal's optimiser, from the poses of the first opinion:
+/// with the same lens model, where mrcal has it, from lenses some percent away; and with mrcal's splined lenses, which
+/// stand for any central lens, from stereographic ones. Corners that the first opinion left out stay out. mrcal's
+/// boards bend along x and y, but have no twist, and it knows no dots: where the first opinion has either, what is
+/// compared is a solve of ours without. Splined lenses turn freely within their cameras, so only their projections are
+/// compared.
 ///
-/// There is none for models that mrcal lacks, rigs of several models, boards that are no regular grid, parameters that
-/// rules fix, or builds without mrcal.
-SecondOpinion second_opinion(const CalibrationProblem& problem, const CalibrationResult& first);
+/// There is none for boards that are no regular grid, parameters that rules fix, or builds without mrcal.
+std::vector<SecondOpinion> second_opinions(const CalibrationProblem& problem, const CalibrationResult& first);
 
 }  // namespace raybundle

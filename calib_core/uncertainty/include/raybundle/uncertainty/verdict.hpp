@@ -18,11 +18,14 @@ enum class Grade { kPass, kMarginal, kFail };
 /// "pass", "marginal", "fail"
 const char* grade_name(Grade grade);
 
+/// Standard deviation [m] of a camera's distance from the first one, by the noise of the corners or by how the frames
+/// scatter, whichever is larger; 0 when it was held fixed.
+double baseline_sigma(const RigCamera& camera, const Calibration& calibration);
+
 /// What became of a requirement for one camera, or for two together.
 struct Judgement {
   Requirement requirement;
   std::string subject;
-  bool of_laser = false;  ///< its beams, of which views of the cameras tell little
   Grade grade = Grade::kFail;
   double value = 0.0;  ///< in the quantity's unit; NaN: it cannot be told
   std::string reason;  ///< what was found, a clause
@@ -31,8 +34,8 @@ struct Judgement {
 
 /// Something that is good to know of the data, whatever is required.
 struct Finding {
-  std::string subject;  ///< camera or board
-  std::string topic;    ///< image, angle, tilt, distance, parameters, drift, shape
+  std::string subject;  ///< camera, board, the rig or the data
+  std::string topic;    ///< image, angle, tilt, distance, parameters, drift, shutter, sync, repetition, shape
   bool good = true;
   std::string text;    ///< one clause, with figures
   std::string advice;  ///< empty when it is good

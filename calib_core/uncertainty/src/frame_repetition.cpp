@@ -1,0 +1,211 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/uncertainty/frame_repetition.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "pose_information.hpp"
+#include "raybundle/uncertainty/corner_evidence.hpp"
+#include "sensitivity.hpp"
+
+namespace raybundle {
+namespace {
+
+constexpr double kMaterial = 0.1;      // correlation below which sums over frames grow hardly faster than by chance
+constexpr double kBeyondChance = 5.0;  // standard deviations of a correlation
+constexpr int kFewestCommon = 6;       // corners by which two frames are held against each other
+
+// A corner in the image of a frame. Its place on the board tells which it is, whatever its label was.
+struct Corner {
+  int camera = 0, target = 0;
+  double x = 0.0, y = 0.0;          // on the board [m]
+  Eigen::Vector2d pixel, residual;  // the residual whitened
+  Eigen::Index row = 0;             // the first of two, among the frame's rows
+
+  auto which() const { return std::tie(camera, target, x, y); }
+};
+
+using Frame = std::vector<Corner>;  // sorted by which()
+
+void append(const ViewData& view, const Eigen::VectorXd& residual, Frame& frame) {
+  const auto before = static_cast<Eigen::Index>(frame.size());
+  for (Eigen::Index i = 0; i < view.pixel.rows(); ++i) {
+    frame.push_back({view.camera, view.target, view.x_in_target(i, 0), view.x_in_target(i, 1), view.pixel.row(i),
+                     residual.segment<2>(2 * i), 2 * (before + i)});
+  }
+}
+
+void sort(Frame& frame) { std::ranges::sort(frame, {}, &Corner::which); }
+
+// Calls seen(a, b) for each corner that both frames show, until it answers no.
+template <typename Seen>
+void for_common_corners(const Frame& a, const Frame& b, const Seen& seen) {
+  for (auto i = a.begin(), j = b.begin(); i != a.end() && j != b.end();) {
+    if (i->which() < j->which()) {
+      ++i;
+    } else if (j->which() < i->which()) {
+      ++j;
+    } else if (!seen(*i++, *j++)) {
+      return;
+    }
+  }
+}
+
+// Frames by their indices that show the board in the same place, and how alike their errors are.
+struct Repeats {
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  double correlation = 0.0;
+};
+
+bool same_place(const Frame& a, const Frame& b, const std::vector<double>& cell_px) {
+  int common = 0;
+  bool near = true;
+  for_common_corners(a, b, [&](const Corner& one, const Corner& other) {
+    near = (one.pixel - other.pixel).norm() <= cell_px[one.camera];
+    ++common;
+    return near;
+  });
+  return near && common >= kFewestCommon && 2 * static_cast<std::size_t>(common) >= std::max(a.size(), b.size());
+}
+
+Repeats repeats_among(const std::vector<Frame>& frames, const std::vector<double>& cell_px) {
+  Repeats repeats;
+  double products = 0.0, squares_a = 0.0, squares_b = 0.0, count = 0.0;
+  for (std::size_t a = 0; a < frames.size(); ++a) {
+    for (std::size_t b = a + 1; b < frames.size(); ++b) {
+      if (!same_place(frames[a], frames[b], cell_px)) continue;
+      repeats.pairs.emplace_back(a, b);
+      for_common_corners(frames[a], frames[b], [&](const Corner& one, const Corner& other) {
+        products += one.residual.dot(other.residual);
+        squares_a += one.residual.squaredNorm();
+        squares_b += other.residual.squaredNorm();
+        count += 2.0;
+        return true;
+      });
+    }
+  }
+  if (!(squares_a > 0.0 && squares_b > 0.0)) return repeats;
+  const double correlation = products / std::sqrt(squares_a * squares_b);
+  if (correlation > std::max(kMaterial, kBeyondChance / std::sqrt(count))) repeats.correlation = correlation;
+  return repeats;
+}
+
+double cell_of(ImageSize size) { return std::max(size.width, size.height) / static_cast<double>(kEvidenceCells); }
+
+ViewBlock linearized(const BundleState& state, const ViewData& view, bool with_shape) {
+  const BoardShape& shape = state.shapes[view.target];
+  const ViewPoint point{state.cameras[view.camera].parameters.data(),
+                        state.camera_from_rig[view.camera],
+                        state.poses[view.pose].rig_from_target,
+                        {shape.bend_x_m, shape.bend_y_m, shape.twist_m}};
+  ViewBlock block;
+  linearize_view(view, point, {.with_shape = with_shape}, block);
+  return block;
+}
+
+// A frame's whitened rows by the parameters after its board pose has followed them.
+Eigen::MatrixXd rows_of(const CalibrationProblem& problem, const BundleState& state, bool with_shape,
+                        const std::vector<ViewData>& views, const Covariance& parameters) {
+  Eigen::Index rows = 0;
+  for (const ViewData& view : views) rows += 2 * view.pixel.rows();
+  Eigen::MatrixXd by_pose(rows, 6);
+  Eigen::MatrixXd by_parameters = Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(parameters.names.size()));
+  Eigen::Index first = 0;
+  for (const ViewData& view : views) {
+    const RigCamera named{problem.cameras[view.camera].name, state.cameras[view.camera], {}};
+    const ViewBlock block = linearized(state, view, with_shape);
+    const Eigen::Index count = 2 * view.pixel.rows();
+    by_pose.middleRows(first, count) = block.wrt_rig_from_target.topRows(count);
+    auto here = by_parameters.middleRows(first, count);
+    scatter(block.wrt_intrinsics.topRows(count), places_of(intrinsic_names(named), parameters), here);
+    scatter(block.wrt_camera_from_rig.topRows(count), places_of(extrinsic_names(named), parameters), here);
+    if (block.wrt_shape.cols() > 0) {
+      const std::vector<int> places = places_of(shape_names(problem.targets[view.target]), parameters);
+      scatter(block.wrt_shape.topRows(count), places, here);
+    }
+    first += count;
+  }
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(by_pose);
+  const Eigen::MatrixXd along = qr.householderQ() * Eigen::MatrixXd::Identity(rows, 6);
+  by_parameters -= along * (along.transpose() * by_parameters);
+  return by_parameters;
+}
+
+// Rows of the corners that two frames share, in the same order.
+std::pair<Eigen::MatrixXd, Eigen::MatrixXd> common_rows(const Frame& a, const Eigen::MatrixXd& rows_a, const Frame& b,
+                                                        const Eigen::MatrixXd& rows_b) {
+  std::vector<Eigen::Index> of_a, of_b;
+  for_common_corners(a, b, [&](const Corner& one, const Corner& other) {
+    for (int axis = 0; axis < 2; ++axis) {
+      of_a.push_back(one.row + axis);
+      of_b.push_back(other.row + axis);
+    }
+    return true;
+  });
+  return {rows_a(of_a, Eigen::all), rows_b(of_b, Eigen::all)};
+}
+
+}  // namespace
+
+FrameRepetition frame_repetition(const CalibrationProblem& problem, const CalibrationResult& result) {
+  std::vector<Frame> frames(result.poses.size());
+  std::vector<double> cell_px;
+  for (const ProblemCamera& camera : problem.cameras) cell_px.push_back(cell_of(camera.size));
+  for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
+    const ViewResult& view = result.views[v];
+    if (view.pose < 0) continue;
+    const ViewData data = used_corners(problem, result, v, problem.views[v].camera);
+    Eigen::VectorXd residual(2 * data.pixel.rows());
+    Eigen::Index row = 0;
+    for (std::size_t i = 0; i < view.fates.size(); ++i) {
+      if (view.fates[i] != ObservationFate::kUsed) continue;
+      residual.segment<2>(2 * row) = view.residuals_px[i] * data.inverse_sigma[row];
+      ++row;
+    }
+    append(data, residual, frames[view.pose]);
+  }
+  std::ranges::for_each(frames, sort);
+  const Repeats repeats = repeats_among(frames, cell_px);
+  FrameRepetition repetition{static_cast<int>(frames.size()), static_cast<int>(repeats.pairs.size()),
+                             repeats.correlation, 0.0};
+  std::vector<double> likeness(frames.size(), 1.0);
+  for (const auto& [a, b] : repeats.pairs) {
+    likeness[a] += repeats.correlation;
+    likeness[b] += repeats.correlation;
+  }
+  for (const double sum : likeness) repetition.worth += 1.0 / sum;
+  return repetition;
+}
+
+std::optional<Eigen::MatrixXd> repeated_errors(const CalibrationProblem& problem, const BundleState& state,
+                                               const BundleOptions& options, const std::vector<std::string>& names) {
+  std::map<int, std::vector<ViewData>> by_pose;
+  for (ViewData& view : used_views(problem, state)) by_pose[view.pose].push_back(std::move(view));
+  std::vector<double> cell_px;
+  for (const Camera& camera : state.cameras) cell_px.push_back(cell_of(camera.size));
+  std::vector<Frame> frames;
+  for (const auto& [pose, views] : by_pose) {
+    Frame& frame = frames.emplace_back();
+    for (const ViewData& view : views) append(view, linearized(state, view, false).residual, frame);
+    sort(frame);
+  }
+  const Repeats repeats = repeats_among(frames, cell_px);
+  if (repeats.correlation == 0.0) return std::nullopt;
+  std::vector<Eigen::MatrixXd> rows;
+  for (const auto& [pose, views] : by_pose) {
+    rows.push_back(rows_of(problem, state, options.estimate_shape, views, {names, {}}));
+  }
+  const auto size = static_cast<Eigen::Index>(names.size());
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(size, size);
+  for (const auto& [a, b] : repeats.pairs) {
+    const auto [of_a, of_b] = common_rows(frames[a], rows[a], frames[b], rows[b]);
+    sum += of_a.transpose() * of_b;
+  }
+  return repeats.correlation * (sum + sum.transpose());
+}
+
+}  // namespace raybundle

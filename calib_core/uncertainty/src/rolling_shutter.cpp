@@ -1,0 +1,135 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "raybundle/uncertainty/rolling_shutter.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "pose_information.hpp"
+#include "raybundle/geometry/quantile.hpp"
+
+namespace raybundle {
+namespace {
+
+constexpr Eigen::Index kPose = 6;
+constexpr Eigen::Index kFewestCorners = 20;  // 40 residuals for at most 16 unknowns
+
+// A view's whitened residual at the solution, and what could explain it.
+struct Explanations {
+  Eigen::VectorXd residual;
+  Eigen::MatrixXd pose, by_row, by_column, bend, lens;
+  double sigma_px = 1.0;  // that the residual was whitened by, root mean square
+};
+
+// Smooth changes of a lens that keep its axis: shift and scale of each axis, which the image of one board tells from
+// its pose, radial terms up to the seventh order, decentring.
+Eigen::MatrixXd lens_terms(const ViewData& view, const Camera& camera) {
+  Eigen::MatrixXd terms(2 * view.pixel.rows(), 7);
+  for (Eigen::Index i = 0; i < view.pixel.rows(); ++i) {
+    const Eigen::Vector2d at =
+        (view.pixel.row(i).transpose() - Eigen::Vector2d(camera.cx(), camera.cy())) / camera.size.width;
+    const double x = at.x(), y = at.y(), s = at.squaredNorm();
+    terms.row(2 * i) << x, 0.0, x * s, x * s * s, x * s * s * s, s + 2.0 * x * x, 2.0 * x * y;
+    terms.row(2 * i + 1) << 0.0, y, y * s, y * s * s, y * s * s * s, 2.0 * x * y, s + 2.0 * y * y;
+    terms.middleRows<2>(2 * i) *= view.inverse_sigma[i];
+  }
+  return terms;
+}
+
+// The pose's columns times when each corner was exposed: 0 in the middle, 1 over the whole image.
+Eigen::MatrixXd timed(const Eigen::MatrixXd& pose, const Eigen::VectorXd& place, int length) {
+  const Eigen::VectorXd time = (place.array() - place.mean()) / length;
+  Eigen::MatrixXd result = pose;
+  for (Eigen::Index i = 0; i < time.size(); ++i) result.middleRows<2>(2 * i) *= time[i];
+  return result;
+}
+
+std::optional<Explanations> explanations_of(const Calibration& calibration, const ViewData& view, const Rigid3& pose) {
+  const RigCamera& camera = calibration.cameras[view.camera];
+  const BoardShape& shape = calibration.targets[view.target].shape;
+  const ViewPoint point{
+      camera.camera.parameters.data(), camera.camera_from_rig, pose, {shape.bend_x_m, shape.bend_y_m, shape.twist_m}};
+  ViewBlock block;
+  if (!linearize_view(view, point, {.with_shape = true}, block)) return std::nullopt;
+  const Eigen::Index rows = 2 * view.pixel.rows();
+  Explanations all;
+  all.residual = block.residual.head(rows);
+  all.pose = block.wrt_rig_from_target.topRows(rows);
+  all.by_row = timed(all.pose, view.pixel.col(1), camera.camera.size.height);
+  all.by_column = timed(all.pose, view.pixel.col(0), camera.camera.size.height);
+  all.bend = block.wrt_shape.topRows(rows);
+  all.lens = lens_terms(view, camera.camera);
+  all.sigma_px = 1.0 / std::sqrt(view.inverse_sigma.square().mean());
+  return all;
+}
+
+// What is left of the residual when all these columns explain it.
+struct Fit {
+  double chi2 = 0.0;
+  double freedom = 1.0;
+  Eigen::VectorXd coefficients;
+
+  double rms_px(double sigma_px) const { return sigma_px * std::sqrt(2.0 * chi2 / freedom); }
+};
+
+Fit fit(const Explanations& all, std::initializer_list<const Eigen::MatrixXd*> parts) {
+  Eigen::Index columns = 0;
+  for (const Eigen::MatrixXd* part : parts) columns += part->cols();
+  Eigen::MatrixXd by_all(all.residual.size(), columns);
+  columns = 0;
+  for (const Eigen::MatrixXd* part : parts) {
+    by_all.middleCols(columns, part->cols()) = *part;
+    columns += part->cols();
+  }
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(by_all);
+  Fit result;
+  result.coefficients = -qr.solve(all.residual);
+  result.chi2 = (all.residual + by_all * result.coefficients).squaredNorm();
+  result.freedom = static_cast<double>(all.residual.size() - qr.rank());
+  return result;
+}
+
+// An F statistic as the quantile of a normal distribution. Source: Paulson 1942, An approximate normalization of the
+// analysis of variance distribution.
+double normal_from_f(double f, double numerator, double denominator) {
+  const double a = 2.0 / (9.0 * numerator), b = 2.0 / (9.0 * denominator), root = std::cbrt(f);
+  return ((1.0 - b) * root - (1.0 - a)) / std::sqrt(b * root * root + a);
+}
+
+RowTiming timing_of(const Explanations& all, int view) {
+  const Fit still = fit(all, {&all.pose}), by_rows = fit(all, {&all.pose, &all.by_row});
+  RowTiming timing{.view = view};
+  timing.rms_px = still.rms_px(all.sigma_px);
+  timing.by_rows_px = by_rows.rms_px(all.sigma_px);
+  timing.otherwise_px = std::min(fit(all, {&all.pose, &all.by_column}).rms_px(all.sigma_px),
+                                 fit(all, {&all.pose, &all.bend, &all.lens}).rms_px(all.sigma_px));
+  const Eigen::VectorXd swept = all.pose * by_rows.coefficients.tail(kPose);
+  std::vector<double> sweeps;
+  for (Eigen::Index i = 0; i < swept.size(); i += 2) sweeps.push_back(all.sigma_px * swept.segment<2>(i).norm());
+  timing.sweep_px = median(sweeps);
+  const double unknowns = still.freedom - by_rows.freedom;
+  if (!(unknowns > 0.0 && by_rows.chi2 > 0.0)) return timing;
+  const double f = (still.chi2 - by_rows.chi2) / unknowns / (by_rows.chi2 / by_rows.freedom);
+  timing.rolling = normal_from_f(f, unknowns, by_rows.freedom) > kRowTimingSigmas &&
+                   timing.by_rows_px < kRowTimingShare * timing.otherwise_px;
+  return timing;
+}
+
+}  // namespace
+
+std::vector<RowTiming> row_timings(const CalibrationProblem& problem, const CalibrationResult& result, int camera) {
+  const std::vector<RigCamera>& calibrated = result.calibration.cameras;
+  const auto index = std::ranges::find(calibrated, problem.cameras[camera].name, &RigCamera::name) - calibrated.begin();
+  std::vector<RowTiming> timings;
+  for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
+    if (problem.views[v].camera != camera || result.views[v].pose < 0) continue;
+    const ViewData view = used_corners(problem, result, v, static_cast<int>(index));
+    if (view.pixel.rows() < kFewestCorners) continue;
+    const auto all = explanations_of(result.calibration, view, result.poses[view.pose].rig_from_target);
+    if (all) timings.push_back(timing_of(*all, v));
+  }
+  return timings;
+}
+
+}  // namespace raybundle
