@@ -12,6 +12,7 @@
 #include "raybundle/uncertainty/corner_evidence.hpp"
 #include "raybundle/uncertainty/covariance.hpp"
 #include "raybundle/uncertainty/frame_covariance.hpp"
+#include "raybundle/uncertainty/frame_repetition.hpp"
 #include "stopwatch.hpp"
 #include "survey_stage.hpp"
 
@@ -116,7 +117,8 @@ void fill_covariance(const CalibrationProblem& problem, const BundleState& state
   result.calibration.covariance = known.covariance;
   result.variance_factor = known.variance_factor;
   const std::vector<FrameInformation> frames = information_by_frame(problem, state, options);
-  result.calibration.covariance_by_frame = covariance_by_frame(information, frames);
+  result.calibration.covariance_by_frame =
+      covariance_by_frame(information, frames, repeated_errors(problem, state, options, information.names));
   if (result.calibration.covariance_by_frame) {
     const auto warning = frame_scatter_warning(known.covariance, *result.calibration.covariance_by_frame,
                                                static_cast<int>(frames.size()));
