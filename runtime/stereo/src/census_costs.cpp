@@ -51,7 +51,7 @@ CensusCosts::CensusCosts(ImageSize size, int lanes, const MatchOptions& options,
   left_codes_.resize(static_cast<std::size_t>(plane_stride_ * planes_));
   right_codes_.resize(static_cast<std::size_t>(plane_stride_ * planes_));
   const std::size_t columns = static_cast<std::size_t>(size.width) * lanes;
-  bits_.assign(static_cast<std::size_t>(options.window_px + 1), std::vector<std::uint8_t>(columns));
+  bits_.assign(static_cast<std::size_t>(options.window_px + 1), Columns(columns));
   if (radius_ == 0) return;
   no_bits_.resize(columns);
   costs_.resize(columns);

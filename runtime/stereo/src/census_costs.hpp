@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "aligned.hpp"
 #include "match_costs.hpp"
 
 namespace raybundle {
@@ -34,9 +35,9 @@ class CensusCosts : public MatchCosts {
   std::vector<std::ptrdiff_t> left_offsets_, right_offsets_;
   std::array<std::uint8_t, 16> nibble_costs_{};
   RightLimits limits_;
-  std::vector<std::uint8_t> left_codes_, right_codes_, no_bits_, costs_;
-  std::vector<std::vector<std::uint8_t>> bits_;  // of the window's rows, and of the one that leaves it
-  std::vector<std::uint8_t> sums_;
+  std::vector<std::uint8_t> left_codes_, right_codes_;
+  std::vector<Columns> bits_;  // of the window's rows, and of the one that leaves it
+  Columns no_bits_, sums_, costs_;
   std::vector<std::uint16_t> wide_sums_, wide_window_;
 };
 

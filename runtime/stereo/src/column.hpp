@@ -16,7 +16,7 @@ struct Column {
 
   static Column load(const std::uint8_t* from) {
     Column column;
-    for (int j = 0; j < n; ++j) column.part[j] = Bytes::load(from + j * kLanes);
+    for (int j = 0; j < n; ++j) column.part[j] = Bytes::load(from + j * Bytes::kCount);
     return column;
   }
   static Column all(std::uint8_t value) {
@@ -25,7 +25,7 @@ struct Column {
     return column;
   }
   void store(std::uint8_t* to) const {
-    for (int j = 0; j < n; ++j) part[j].store(to + j * kLanes);
+    for (int j = 0; j < n; ++j) part[j].store(to + j * Bytes::kCount);
   }
   Bytes spread_least() const {
     Bytes value = part[0];
@@ -47,14 +47,6 @@ struct Column {
     for (int j = 0; j < n; ++j) {
       column.part[j] = least(Bytes::shifted_up(j == 0 ? none : part[j - 1], part[j]),
                              Bytes::shifted_down(part[j], j == n - 1 ? none : part[j + 1]));
-    }
-    return column;
-  }
-  /// The same for a column in memory that stands between 255s.
-  static Column neighbours(const std::uint8_t* from) {
-    Column column;
-    for (int j = 0; j < n; ++j) {
-      column.part[j] = least(Bytes::load(from + j * kLanes - 1), Bytes::load(from + j * kLanes + 1));
     }
     return column;
   }

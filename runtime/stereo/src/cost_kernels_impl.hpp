@@ -30,7 +30,7 @@ void census_row(const CensusRow& row) {
 }
 
 template <typename Bytes, int n>
-void census_cost_row(const CensusCostRow& row) {
+void census_cost_row(CensusCostRow row) {
   for (int x = 0; x < row.width; ++x) {
     const std::ptrdiff_t partner = row.width - 1 - x + row.first[x];
     Column<Bytes, n> costs = Column<Bytes, n>::all(0);
@@ -38,19 +38,20 @@ void census_cost_row(const CensusCostRow& row) {
       const Bytes left = Bytes::all(row.left_codes[k * row.plane_stride + x]);
       const std::uint8_t* right = row.right_codes + k * row.plane_stride + partner;
       for (int j = 0; j < n; ++j) {
-        costs.part[j] = add(costs.part[j], Bytes::difference(left, Bytes::load(right + j * kLanes), row.nibble_costs));
+        costs.part[j] =
+            add(costs.part[j], Bytes::difference(left, Bytes::load(right + j * Bytes::kCount), row.nibble_costs));
       }
     }
     for (int j = 0; j < n; ++j) {
-      costs.part[j] = most(costs.part[j], Bytes::load(row.right_limits + partner + j * kLanes));
+      costs.part[j] = most(costs.part[j], Bytes::load(row.right_limits + partner + j * Bytes::kCount));
     }
-    costs.store(row.costs + x * n * kLanes);
+    costs.store(row.costs + x * n * Bytes::kCount);
   }
 }
 
 template <typename Bytes>
-void enter_row(const EnterRow<std::uint8_t>& row) {
-  for (std::ptrdiff_t i = 0; i < row.count; i += kLanes) {
+void enter_row(EnterRow<std::uint8_t> row) {
+  for (std::ptrdiff_t i = 0; i < row.count; i += Bytes::kCount) {
     const Bytes without = subtract(Bytes::load(row.sums + i), Bytes::load(row.leaves + i));
     add(without, Bytes::load(row.enters + i)).store(row.sums + i);
   }
@@ -63,15 +64,15 @@ inline void enter_row_wide(const EnterRow<std::uint16_t>& row) {
 }
 
 template <typename Bytes, int n>
-void window_row(const WindowRow<std::uint8_t>& row) {
+void window_row(WindowRow<std::uint8_t> row) {
   using Pixel = Column<Bytes, n>;
   const auto column = [&](int x) {
-    return Pixel::load(row.sums + static_cast<std::ptrdiff_t>(std::clamp(x, 0, row.width - 1)) * n * kLanes);
+    return Pixel::load(row.sums + static_cast<std::ptrdiff_t>(std::clamp(x, 0, row.width - 1)) * n * Bytes::kCount);
   };
   Pixel sum = Pixel::all(0);
   for (int x = -row.radius; x <= row.radius; ++x) sum += column(x);
   for (int x = 0; x < row.width; ++x) {
-    sum.store(row.costs + static_cast<std::ptrdiff_t>(x) * n * kLanes);
+    sum.store(row.costs + static_cast<std::ptrdiff_t>(x) * n * Bytes::kCount);
     sum -= column(x - row.radius);
     sum += column(x + row.radius + 1);
   }

@@ -7,7 +7,7 @@
 #include <bit>
 
 #include "column.hpp"
-#include "raybundle/stereo/matcher.hpp"
+#include "raybundle/stereo/match.hpp"
 #include "row_kernels.hpp"
 #include "sub_pixel.hpp"
 
@@ -19,7 +19,7 @@ namespace {
 // For all disparities: a window of 255s in the middle of zeros, to take three neighbours out of the race.
 constexpr int kMostLanes = 256;
 constexpr auto kThreeOut = [] {
-  std::array<std::uint8_t, 2 * kMostLanes + kLanes> mask{};
+  std::array<std::uint8_t, 2 * kMostLanes + 2 * kLanes> mask{};
   for (int i = -1; i <= 1; ++i) mask[static_cast<std::size_t>(kMostLanes + i)] = kNone;
   return mask;
 }();
@@ -55,9 +55,9 @@ Column<Bytes, n> next_on_path(const Column<Bytes, n>& before, const Column<Bytes
 
 /// Both directions in one loop: each waits for its pixel before, and the processor works on the other meanwhile.
 template <typename Bytes, int n>
-void across_row(const PathRow& row) {
+void across_row(PathRow row) {
   using Pixel = Column<Bytes, n>;
-  constexpr std::ptrdiff_t kColumn = n * kLanes;
+  constexpr std::ptrdiff_t kColumn = n * Bytes::kCount;
   const Bytes small_step = Bytes::all(row.small_step);
   Pixel from_left = Pixel::all(0);
   Pixel from_right = Pixel::all(0);
@@ -77,33 +77,32 @@ template <typename Bytes, int n>
   const Bytes lowest = sums.spread_least();
   int disparity = 0;
   for (int j = n - 1; j >= 0; --j) {
-    const std::uint32_t equal = equal_lanes(sums.part[j], lowest);
-    disparity = equal != 0 ? j * kLanes + std::countr_zero(equal) : disparity;
+    const auto equal = equal_lanes(sums.part[j], lowest);
+    disparity = equal != 0 ? j * Bytes::kCount + std::countr_zero(equal) : disparity;
   }
   Column<Bytes, n> others;
   for (int j = 0; j < n; ++j) {
-    others.part[j] = sums.part[j] | Bytes::load(kThreeOut.data() + kMostLanes + j * kLanes - disparity);
+    others.part[j] = sums.part[j] | Bytes::load(kThreeOut.data() + kMostLanes + j * Bytes::kCount - disparity);
   }
   best.disparity[x] = static_cast<std::uint8_t>(disparity);
   best.sum[x] = lowest.first();
   best.second[x] = others.spread_least().first();
   best.before[x] = costs[std::max(disparity - 1, 0)];
   best.cost[x] = costs[disparity];
-  best.after[x] = costs[std::min(disparity + 1, n * kLanes - 1)];
+  best.after[x] = costs[std::min(disparity + 1, n * Bytes::kCount - 1)];
 }
 
 template <typename Bytes, int n>
-void along_row(const PathRow& row) {
+void along_row(PathRow row) {
   using Pixel = Column<Bytes, n>;
-  constexpr std::ptrdiff_t kColumn = n * kLanes;
-  constexpr std::ptrdiff_t kSlot = kColumn + kLanes;  // with the 255s behind it
+  constexpr std::ptrdiff_t kColumn = n * Bytes::kCount;
   const Bytes small_step = Bytes::all(row.small_step);
   const Pixel out_of_range = Pixel::load(kOutOfRange.data() + kMostLanes - row.disparities);
   for (int x = 0; x < row.width; ++x) {
-    std::uint8_t* slot = row.along + x * kSlot;
-    const Pixel path = next_on_path(Pixel::load(slot), Pixel::neighbours(slot),
-                                    path_costs<Bytes, n>(row.costs + x * kColumn), small_step, row.large_along[x]);
-    path.store(slot);
+    const Pixel before = Pixel::load(row.along + x * kColumn);
+    const Pixel path = next_on_path(before, before.neighbours(), path_costs<Bytes, n>(row.costs + x * kColumn),
+                                    small_step, row.large_along[x]);
+    path.store(row.along + x * kColumn);
     Pixel sum = path;
     sum += Pixel::load(row.from_left + x * kColumn);
     sum += Pixel::load(row.from_right + x * kColumn);
@@ -117,21 +116,20 @@ void along_row(const PathRow& row) {
 }
 
 template <typename Bytes, int n>
-void best_row(const PathRow& row) {
+void best_row(PathRow row) {
   using Pixel = Column<Bytes, n>;
   const Pixel out_of_range = Pixel::load(kOutOfRange.data() + kMostLanes - row.disparities);
   for (int x = 0; x < row.width; ++x) {
-    Pixel costs = Pixel::load(row.costs + x * n * kLanes);
+    Pixel costs = Pixel::load(row.costs + x * n * Bytes::kCount);
     costs += out_of_range;
-    take_best(costs, row.costs + x * n * kLanes, row.best, x);
+    take_best(costs, row.costs + x * n * Bytes::kCount, row.best, x);
   }
 }
 
 /// Without branches, and no row overlaps another one: the compiler makes vectors of the loops.
-inline void judge_row(const JudgeRow& what) {
+inline void judge_row(JudgeRow row) {
   constexpr auto kMatched = static_cast<std::uint8_t>(Match::kMatched);
   const auto code = [](Match match) { return static_cast<std::uint8_t>(match); };
-  const JudgeRow row = what;  // a copy that no byte can overwrite
   const BestRow& best = row.best;
 #pragma GCC ivdep
   for (int x = 0; x < row.width; ++x) {

@@ -79,7 +79,7 @@ void remap_row_scalar(const RemapTable& table, GreyView image, int row, int from
 
 RemapRow row_function(Simd simd) {
 #if defined(__x86_64__)
-  if (simd == Simd::kAvx2) return remap_row_avx2;
+  if (simd != Simd::kNone) return remap_row_avx2;
 #else
   static_cast<void>(simd);
 #endif

@@ -129,15 +129,16 @@ struct PathRow {
   const std::uint8_t* costs = nullptr;         ///< width columns, fine
   std::uint8_t* from_left = nullptr;           ///< width columns: sums of the paths from the left
   std::uint8_t* from_right = nullptr;          ///< the same from the right
-  std::uint8_t* along = nullptr;               ///< state of the paths along columns: as PathState has it
+  std::uint8_t* along = nullptr;               ///< width columns: state of the paths along columns
   std::uint8_t* sums = nullptr;  ///< width columns for the sums of all paths, or nullptr: the best is taken
   BestRow best;
 };
 
+/// What a loop works on comes by value where its bytes could be taken for parts of it.
 struct RowKernels {
   void (*census)(const CensusRow& row);
   void (*census_costs)(const CensusCostRow& row);
-  void (*enter)(const EnterRow<std::uint8_t>& row);
+  void (*enter)(EnterRow<std::uint8_t> row);
   void (*enter_wide)(const EnterRow<std::uint16_t>& row);
   void (*window)(const WindowRow<std::uint8_t>& row);
   void (*window_wide)(const WindowRow<std::uint16_t>& row);
@@ -151,7 +152,7 @@ struct RowKernels {
   void (*along)(const PathRow& row);
   /// Takes the best disparity from the costs alone.
   void (*best)(const PathRow& row);
-  void (*judge)(const JudgeRow& row);
+  void (*judge)(JudgeRow row);
 };
 
 const RowKernels& row_kernels(Simd simd);

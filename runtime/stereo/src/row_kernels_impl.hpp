@@ -12,8 +12,8 @@ namespace raybundle {
 namespace {
 
 template <template <int> typename Call, typename Row>
-void with_columns(const Row& row) {
-  switch (row.lanes / kLanes) {
+void with_columns(const Row& row, int registers) {
+  switch (registers) {
     case 1:
       return Call<1>::of(row);
     case 2:
@@ -51,19 +51,23 @@ struct Kernels {
   struct Best {
     static void of(const PathRow& row) { best_row<Bytes, n>(row); }
   };
+  template <template <int> typename Call, typename Row>
+  static void columns(const Row& row) {
+    with_columns<Call, Row>(row, row.lanes / Bytes::kCount);
+  }
   static constexpr RowKernels kTable{census_row<Bytes>,
-                                     with_columns<CensusCosts, CensusCostRow>,
+                                     columns<CensusCosts, CensusCostRow>,
                                      enter_row<Bytes>,
                                      enter_row_wide,
-                                     with_columns<Window, WindowRow<std::uint8_t>>,
+                                     columns<Window, WindowRow<std::uint8_t>>,
                                      window_row_wide,
                                      square_row,
                                      correlation_row,
                                      square_cost_row,
                                      correlation_cost_row,
-                                     with_columns<Across, PathRow>,
-                                     with_columns<Along, PathRow>,
-                                     with_columns<Best, PathRow>,
+                                     columns<Across, PathRow>,
+                                     columns<Along, PathRow>,
+                                     columns<Best, PathRow>,
                                      judge_row};
 };
 

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "byte_lanes.hpp"
-
 namespace raybundle {
 namespace {
 
@@ -45,7 +43,7 @@ Search::Search(ImageSize size, const MatchOptions& options)
   large_along_.resize(width);
   from_left_.resize(width * lanes_);
   from_right_.resize(width * lanes_);
-  along_.resize(width * (lanes_ + kLanes) + kLanes);
+  along_.resize(width * lanes_);
   if (options.paths == 4) {
     all_costs_.resize(width * lanes_ * size.height);
     all_sums_.resize(width * lanes_ * size.height);
@@ -66,7 +64,7 @@ PathRow Search::path_row(const std::uint8_t* costs) {
   row.costs = costs;
   row.from_left = from_left_.data();
   row.from_right = from_right_.data();
-  row.along = along_.data() + kLanes;
+  row.along = along_.data();
   row.best = best_row();
   return row;
 }
@@ -84,8 +82,6 @@ void Search::steps_of(GreyView left, int v, int before) {
   const std::uint8_t* there = left.row(before);
   for (std::size_t x = 0; x < large_along_.size(); ++x) large_along_[x] = step(here[x], there[x]);
 }
-
-void Search::begin_paths() { std::fill(along_.begin(), along_.end(), std::uint8_t{255}); }
 
 void Search::gather_down(GreyView left, int v) {
   const std::uint8_t* costs = costs_->row(v);
@@ -154,13 +150,11 @@ void Search::judge_row(int v, const SearchedPair& pair, const std::uint8_t* left
 
 void Search::run(const SearchedPair& pair, const std::uint8_t* left_covered, float* disparity_px, std::uint8_t* match) {
   costs_->begin(pair);
-  begin_paths();
   for (int v = 0; v < size_.height; ++v) {
     gather_down(pair.left, v);
     if (options_.paths < 4) judge_row(v, pair, left_covered, disparity_px, match);
   }
   if (options_.paths < 4) return;
-  begin_paths();
   std::fill(from_right_.begin(), from_right_.end(), std::uint8_t{0});
   for (int v = size_.height - 1; v >= 0; --v) {
     gather_up(pair.left, v);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "aligned.hpp"
 #include "match_costs.hpp"
 #include "raybundle/stereo/matcher.hpp"
 #include "row_kernels.hpp"
@@ -30,7 +31,6 @@ class Search {
   void steps_of(GreyView left, int v, int before);
   void gather_down(GreyView left, int v);
   void gather_up(GreyView left, int v);
-  void begin_paths();
   void find_agreeing(const std::int16_t* first, const std::uint8_t* right_covered);
   void judge_row(int v, const SearchedPair& pair, const std::uint8_t* left_covered, float* disparity_px,
                  std::uint8_t* match);
@@ -43,8 +43,8 @@ class Search {
   std::array<std::uint8_t, 256> large_steps_{};  // by the step of grey values
   int uniqueness_limit_, strength_limit_, peak_limit_;
   Bytes large_across_, large_along_;
-  Bytes from_left_, from_right_, along_;
-  Bytes all_costs_, all_sums_;                               // of the image, for paths from below
+  Columns from_left_, from_right_, along_;
+  Columns all_costs_, all_sums_;                             // of the image, for paths from below
   Bytes best_, least_sum_, second_, before_, cost_, after_;  // of a row, as BestRow
   Bytes all_covered_, agrees_;
   std::vector<std::uint32_t> right_;  // the same row seen from the right image: sum · 65536 + disparity

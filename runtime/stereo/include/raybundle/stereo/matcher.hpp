@@ -4,28 +4,13 @@
 
 #include <cstdint>
 #include <memory>
-#include <string_view>
 
 #include "raybundle/camera/camera.hpp"
 #include "raybundle/device/image_view.hpp"
+#include "raybundle/stereo/match.hpp"
 #include "raybundle/stereo/match_options.hpp"
 
 namespace raybundle {
-
-/// What became of a pixel.
-enum class Match : std::uint8_t {
-  kUncovered = 0,  ///< the camera's image does not show the ray
-  kMatched = 1,
-  kWeak,       ///< the best cost is too high
-  kAmbiguous,  ///< another disparity is nearly as good
-  kFlat,       ///< the cost hardly rises beside the best disparity
-  kOneSided,   ///< the right image's pixel belongs to another one, or its best disparity is at the end of the range
-  kIsolated,   ///< its region is too small
-};
-inline constexpr int kMatchKinds = 7;
-
-/// uncovered, matched, weak, ambiguous, flat, one_sided or isolated.
-std::string_view match_name(Match match);
 
 struct DisparityView {
   ImageView<const float> disparity_px;  ///< 0 where there is no match

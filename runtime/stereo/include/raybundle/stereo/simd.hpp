@@ -5,7 +5,10 @@
 namespace raybundle {
 
 /// Which instructions the loops use. All give the same bits.
-enum class Simd : unsigned char { kNone, kAvx2 };
+enum class Simd : unsigned char { kNone, kAvx2, kAvx512 };
+
+/// Whether this machine has them.
+bool has(Simd simd);
 
 /// The fastest that this machine has.
 Simd best_simd();
