@@ -66,12 +66,11 @@ void run_learn(Flags flags) {
   const CaseBase base = learn(simulated_cases(flags.learning), flags.learn);
   write_file_whole(flags.output, bytes_from_case_base(base));
   if (flags.json) {
-    fmt::print("{{\"base\": \"{}\", \"cases\": {}, \"farthest\": {}}}\n", flags.output, base.cases.cols(),
-               base.farthest);
+    fmt::print("{}\n", nlohmann::ordered_json{{"base", flags.output}, {"cases", base.classes.size()}}.dump());
     return;
   }
   fmt::print("learnt {} cases of {} scenes, attributes {}\nwrote {}\nnext  raybundle occupancy evaluate {}\n",
-             base.cases.cols(), flags.learning.scenes, base.attribute_set, flags.output, flags.output);
+             base.classes.size(), flags.learning.scenes, base.attribute_set, flags.output, flags.output);
 }
 
 void run_evaluate(Flags flags) {

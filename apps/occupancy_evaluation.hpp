@@ -52,13 +52,21 @@ struct Evaluation {
   /// More forceful than right, with a person or a baby seat on the seat.
   Share dangerous;
   Share wasted;                           ///< fired where nobody is: empty seats, empty boosters, objects
-  Share empty_seats_found;                ///< by the fit of the seat, of empty seats; stereo only
-  Share seats_right;                      ///< of the seats found, those within 1 cm and 2 degrees
   std::vector<double> distance_errors_m;  ///< to the nearest dot's true place, of people within 0.6 m; sorted by size
   std::vector<double> nearest_errors_m;   ///< to the nearest place of the person, seen or not; sorted by size
 };
 
 Evaluation evaluate(const CaseBase& base, const EvaluationOptions& options);
+
+/// How the fit of the seat did on empty seats.
+struct SeatEvaluation {
+  Share found;
+  Share right;              ///< of the seats found, those within 1 cm and 2 degrees
+  Share within_two_sigmas;  ///< of the seats found, those whose bight is so along x
+};
+
+/// Empty seats of the generator, each over all frames of the options; the monitor's options do not matter.
+SeatEvaluation evaluate_seats(const EvaluationOptions& options);
 
 /// Tables for people.
 std::string text_from_evaluation(const std::string& title, const Evaluation& evaluation);

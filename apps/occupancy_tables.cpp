@@ -74,10 +74,6 @@ std::string text_from_evaluation(const std::string& title, const Evaluation& e) 
   text += fmt::format("dangerous (more forceful than right, somebody there): {} of {}: {}\n", e.dangerous.count,
                       e.dangerous.trials, percent(e.dangerous));
   text += fmt::format("fired for nobody: {}\n", percent(e.wasted));
-  if (e.seats_right.trials > 0) {
-    text += fmt::format("seat fit: {} of empty seats found; within 1 cm and 2°: {} of all found\n",
-                        percent(e.empty_seats_found), percent(e.seats_right));
-  }
   text += distances_text("distance to the dashboard, of the nearest dot", e.distance_errors_m);
   text += distances_text("distance to the dashboard, of the nearest place seen or not", e.nearest_errors_m);
   return text;
@@ -99,8 +95,6 @@ std::string json_from_evaluations(const std::vector<std::pair<std::string, Evalu
                       {"rejected_action", json_of(e.rejected_action)},
                       {"dangerous", json_of(e.dangerous)},
                       {"wasted", json_of(e.wasted)},
-                      {"empty_seats_found", json_of(e.empty_seats_found)},
-                      {"seats_right", json_of(e.seats_right)},
                       {"distance", json_of(e.distance_errors_m)},
                       {"distance_unseen", json_of(e.nearest_errors_m)}});
   }

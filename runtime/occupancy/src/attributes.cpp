@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <span>
 
 #include "raybundle/occupancy/box.hpp"
@@ -80,14 +81,36 @@ constexpr double kStripeLengths[] = {-0.30, 0.02, 0.14, 0.26, 0.38, 0.50, 0.66, 
 constexpr Profile kStripeProfile{kStripeHeights, kStripeLengths};
 constexpr double kReliefAlong[] = {0.06, 0.18, 0.30, 0.42, 0.54, 0.68};
 constexpr double kReliefUp[] = {0.10, 0.25, 0.40, 0.55, 0.72};
-constexpr double kSparseAcross[] = {-0.17, 0.0, 0.17}, kDenseAcross[] = {-0.20, -0.10, 0.0, 0.10, 0.20};
-constexpr Relief kSparseRelief{kReliefAlong, kReliefUp, kDenseAcross, 0.05};
-constexpr Relief kDenseRelief{kReliefAlong, kReliefUp, kDenseAcross, 0.03};
+constexpr double kReliefAcross[] = {-0.20, -0.10, 0.0, 0.10, 0.20};
+constexpr Relief kSparseRelief{kReliefAlong, kReliefUp, kReliefAcross, 0.05};
+constexpr Relief kDenseRelief{kReliefAlong, kReliefUp, kReliefAcross, 0.03};
 
-template <const Relief& relief>
-Attributes profile_and_relief(const VehicleLayout&, const SeatPose& seat, const Scan& scan) {
-  Attributes attributes(kStripeProfile.size() + relief.size());
+// Rays that end before the dashboard, near it and farther away, from the knees up; one of them may be a hand.
+struct Reach {
+  double most;  ///< rays; more tell no more
+  static constexpr double kDepths_m[] = {0.01, 0.20, 0.40, 0.60}, kHeights_m[] = {-0.10, 0.0, 0.12, 0.45};
+  static constexpr double kBeside_m = 0.08;  // heights from the zones' floor, and this beyond their sides
+
+  static constexpr int size() { return static_cast<int>((std::size(kDepths_m) - 1) * (std::size(kHeights_m) - 1)); }
+
+  void add(const VehicleLayout& layout, const Scan& scan, Attributes& attributes, int& at) const {
+    for (std::size_t i = 0; i + 1 < std::size(kDepths_m); ++i) {
+      for (std::size_t j = 0; j + 1 < std::size(kHeights_m); ++j) {
+        const double wide = layout.zone_half_width_m + kBeside_m;
+        const Box box{.low = {layout.dashboard_x_m - kDepths_m[i + 1], -wide, layout.zone_floor_m + kHeights_m[j]},
+                      .high = {layout.dashboard_x_m - kDepths_m[i], wide, layout.zone_floor_m + kHeights_m[j + 1]}};
+        attributes[at++] = std::min(1.0, count_rays(box, scan).hits / most);
+      }
+    }
+  }
+};
+constexpr Reach kSparseReach{4.0}, kDenseReach{100.0};
+
+template <const Relief& relief, const Reach& reach>
+Attributes profile_and_relief(const VehicleLayout& layout, const SeatPose& seat, const Scan& scan) {
+  Attributes attributes(kStripeProfile.size() + relief.size() + reach.size());
   int at = 0;
+  reach.add(layout, scan, attributes, at);
   kStripeProfile.add(seat, scan, attributes, at);
   relief.add(seat, scan, attributes, at);
   return attributes;
@@ -95,10 +118,10 @@ Attributes profile_and_relief(const VehicleLayout&, const SeatPose& seat, const 
 
 }  // namespace
 
-constinit const AttributeSet kStripes{"stripes-1", kStripeProfile.size() + kSparseRelief.size(),
-                                      profile_and_relief<kSparseRelief>};
-constinit const AttributeSet kBoxes{"boxes-1", kStripeProfile.size() + kDenseRelief.size(),
-                                    profile_and_relief<kDenseRelief>};
+constinit const AttributeSet kStripes{"stripes-2", kStripeProfile.size() + kSparseRelief.size() + kSparseReach.size(),
+                                      profile_and_relief<kSparseRelief, kSparseReach>};
+constinit const AttributeSet kBoxes{"boxes-2", kStripeProfile.size() + kDenseRelief.size() + kDenseReach.size(),
+                                    profile_and_relief<kDenseRelief, kDenseReach>};
 
 const AttributeSet* attribute_set_named(std::string_view name) {
   for (const AttributeSet* set : {&kStripes, &kBoxes}) {

@@ -18,20 +18,20 @@ struct Near {
 using NearCases = std::array<Near, kMostNeighbours>;
 
 // The k nearest of the base's cases, nearest first; of two at the same distance the earlier one.
-int nearest_cases(const CaseBase& base, const float* query, int left_out, NearCases& nearest) {
-  const Eigen::Index size = base.cases.rows();
+int nearest_cases(const CaseSpace& space, int neighbours, const float* query, int left_out, NearCases& nearest) {
+  const Eigen::Index size = space.cases.rows();
   int found = 0;
-  for (int n = 0; n < base.cases.cols(); ++n) {
+  for (int n = 0; n < space.cases.cols(); ++n) {
     if (n == left_out) continue;
-    const float* one = base.cases.data() + n * size;
-    const float bound = found < base.neighbours ? INFINITY : nearest[found - 1].squared;
+    const float* one = space.cases.data() + n * size;
+    const float bound = found < neighbours ? INFINITY : nearest[found - 1].squared;
     float squared = 0.0F;
     for (Eigen::Index i = 0; i < size && squared < bound; ++i) {
       const float difference = one[i] - query[i];
       squared += difference * difference;
     }
     if (!(squared < bound)) continue;
-    if (found < base.neighbours) ++found;
+    if (found < neighbours) ++found;
     int at = found - 1;
     for (; at > 0 && nearest[at - 1].squared > squared; --at) nearest[at] = nearest[at - 1];
     nearest[at] = {squared, n};
@@ -39,25 +39,32 @@ int nearest_cases(const CaseBase& base, const float* query, int left_out, NearCa
   return found;
 }
 
-CaseVerdict verdict_of(const CaseBase& base, const float* query, int left_out) {
-  CaseVerdict verdict;
+// Adds what one space says; whether it is near enough to that space's cases.
+bool add_votes(const CaseBase& base, const CaseSpace& space, const EmbeddedPlace& query, CaseVerdict& verdict) {
   NearCases nearest;
-  const int found = nearest_cases(base, query, left_out, nearest);
-  if (found < base.neighbours) return verdict;
-  double sum = 0.0;
+  const int found = nearest_cases(space, base.neighbours, query.data(), -1, nearest);
+  std::array<double, kMostNeighbours> votes{};
+  double sum = 0.0, distance = 0.0;
   for (int i = 0; i < found; ++i) {
-    const double distance = std::sqrt(static_cast<double>(nearest[i].squared));
-    const double vote = 1.0 / (distance + 1e-6);
-    verdict.distance += distance / found;
-    verdict.votes[base.classes[nearest[i].index]] += vote;
-    verdict.action_votes[static_cast<std::size_t>(base.actions[nearest[i].index])] += vote;
-    sum += vote;
+    const double away = std::sqrt(static_cast<double>(nearest[i].squared));
+    distance += away / found;
+    votes[i] = 1.0 / (away + 1e-6);
+    sum += votes[i];
   }
-  for (double& vote : verdict.votes) vote /= sum;
-  for (double& vote : verdict.action_votes) vote /= sum;
-  verdict.best = static_cast<int>(std::ranges::max_element(verdict.votes) - verdict.votes.begin());
-  verdict.known = verdict.distance <= base.farthest;
-  return verdict;
+  const auto spaces = static_cast<double>(base.spaces.size());
+  std::array<double, kAirbagActions> actions{};
+  for (int i = 0; i < found; ++i) {
+    verdict.votes[base.classes[nearest[i].index]] += votes[i] / sum / spaces;
+    actions[static_cast<std::size_t>(base.actions[nearest[i].index])] += votes[i] / sum;
+  }
+  double allowed = 0.0;
+  for (int action = kAirbagActions - 1; action >= 0; --action) {
+    allowed += actions[action];
+    verdict.action_votes[action] += actions[action] / spaces;
+    verdict.allowed_least[action] = std::min(verdict.allowed_least[action], allowed);
+  }
+  verdict.distance += distance / space.farthest / spaces;
+  return distance <= space.farthest;
 }
 
 [[noreturn]] void refuse(const std::string& what) {
@@ -70,15 +77,20 @@ void CaseBase::check() const {
   if (situations.empty() || situations.size() > kMostClasses || group_names.size() > kMostClasses) {
     refuse("it has no classes, or too many");
   }
-  embedding.check();
-  if (cases.rows() != embedding.size()) refuse("its cases and its embedding differ in size");
-  if (cases.cols() != static_cast<Eigen::Index>(classes.size()) || actions.size() != classes.size())
-    refuse("not every case has a class and an action");
-  if (neighbours < 1 || neighbours > kMostNeighbours || cases.cols() <= neighbours) {
-    refuse("it has fewer cases than neighbours");
+  if (spaces.empty() || spaces.size() > kMostSpaces) refuse("it has no spaces, or too many");
+  for (const CaseSpace& space : spaces) {
+    space.embedding.check();
+    if (space.embedding.attributes() != spaces.front().embedding.attributes())
+      refuse("its spaces differ in attributes");
+    if (space.cases.rows() != space.embedding.size()) refuse("its cases and its embedding differ in size");
+    if (space.cases.cols() != static_cast<Eigen::Index>(classes.size())) refuse("not every case has a class");
+    if (!space.cases.allFinite() || !(space.farthest > 0.0) || !std::isfinite(space.farthest)) {
+      refuse("it holds a number that is not finite");
+    }
   }
-  if (!cases.allFinite() || !std::isfinite(farthest)) {
-    refuse("it holds a number that is not finite");
+  if (actions.size() != classes.size()) refuse("not every case has an action");
+  if (neighbours < 1 || neighbours > kMostNeighbours || static_cast<int>(classes.size()) <= neighbours) {
+    refuse("it has fewer cases than neighbours");
   }
   for (const SituationClass& situation : situations) {
     if (situation.group < 0 || situation.group >= static_cast<int>(group_names.size())) refuse("a class has no group");
@@ -92,13 +104,24 @@ void CaseBase::check() const {
 }
 
 CaseVerdict classify(const CaseBase& base, const Eigen::Ref<const Eigen::VectorXd>& attributes) {
-  if (!attributes.allFinite()) return {};
-  const EmbeddedPlace place = base.embedding.place(attributes);
-  return verdict_of(base, place.data(), -1);
+  CaseVerdict verdict;
+  if (!attributes.allFinite()) return verdict;
+  verdict.allowed_least.fill(1.0);
+  verdict.known = true;
+  for (const CaseSpace& space : base.spaces) {
+    verdict.known &= add_votes(base, space, space.embedding.place(attributes), verdict);
+  }
+  verdict.best = static_cast<int>(std::ranges::max_element(verdict.votes) - verdict.votes.begin());
+  return verdict;
 }
 
-CaseVerdict classify_left_out(const CaseBase& base, int left_out) {
-  return verdict_of(base, base.cases.data() + left_out * base.cases.rows(), left_out);
+double distance_to_others(const CaseBase& base, const CaseSpace& space, int index) {
+  NearCases nearest;
+  const int found =
+      nearest_cases(space, base.neighbours, space.cases.data() + index * space.cases.rows(), index, nearest);
+  double sum = 0.0;
+  for (int i = 0; i < found; ++i) sum += std::sqrt(static_cast<double>(nearest[i].squared));
+  return sum / found;
 }
 
 }  // namespace raybundle

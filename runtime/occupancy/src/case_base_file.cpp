@@ -53,18 +53,21 @@ std::string bytes_from_case_base(const CaseBase& base) {
     add_count(situation.inert ? 1 : 0);
   }
   add_count(base.neighbours);
-  writer.value(base.farthest);
-  add_count(base.embedding.attributes());
-  add_matrix(writer, base.embedding.centre);
-  add_matrix(writer, base.embedding.scale);
-  add_count(static_cast<Eigen::Index>(base.embedding.layers.size()));
-  for (const EmbeddingLayer& layer : base.embedding.layers) {
-    add_count(layer.weights.rows());
-    add_matrix(writer, layer.weights);
-    add_matrix(writer, layer.offsets);
+  add_count(static_cast<Eigen::Index>(base.classes.size()));
+  add_count(static_cast<Eigen::Index>(base.spaces.size()));
+  for (const CaseSpace& space : base.spaces) {
+    add_count(space.embedding.attributes());
+    add_matrix(writer, space.embedding.centre);
+    add_matrix(writer, space.embedding.scale);
+    add_count(static_cast<Eigen::Index>(space.embedding.layers.size()));
+    for (const EmbeddingLayer& layer : space.embedding.layers) {
+      add_count(layer.weights.rows());
+      add_matrix(writer, layer.weights);
+      add_matrix(writer, layer.offsets);
+    }
+    add_matrix(writer, space.cases);
+    writer.value(space.farthest);
   }
-  add_count(base.cases.cols());
-  add_matrix(writer, base.cases);
   writer.values(std::span<const std::uint8_t>(base.classes));
   for (const AirbagAction action : base.actions) writer.value(static_cast<std::uint8_t>(action));
   return checked_file(kKind, writer.bytes());
@@ -83,10 +86,13 @@ CaseBase case_base_from_bytes(std::string_view bytes, const std::string& where) 
     situation.inert = reader.count(0, 1, "whether a class is inert") == 1;
   }
   base.neighbours = reader.count(1, kMostNeighbours, "the number of neighbours");
-  base.farthest = reader.value<double>();
-  base.embedding = next_embedding(reader);
   const int cases = reader.count(1, kMostCases, "the number of cases");
-  base.cases = next_matrix(reader, static_cast<int>(base.embedding.size()), cases);
+  base.spaces.resize(static_cast<std::size_t>(reader.count(1, kMostSpaces, "the number of spaces")));
+  for (CaseSpace& space : base.spaces) {
+    space.embedding = next_embedding(reader);
+    space.cases = next_matrix(reader, static_cast<int>(space.embedding.size()), cases);
+    space.farthest = reader.value<double>();
+  }
   base.classes = reader.values<std::uint8_t>(static_cast<std::size_t>(cases));
   for (const std::uint8_t action : reader.values<std::uint8_t>(static_cast<std::size_t>(cases))) {
     base.actions.push_back(static_cast<AirbagAction>(action));

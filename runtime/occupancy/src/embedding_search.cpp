@@ -88,7 +88,7 @@ Eigen::MatrixXf kept(Eigen::Index rows, Eigen::Index columns, double share, std:
 
 Embedding embedding_search(const Eigen::MatrixXf& attributes, const std::vector<int>& kinds,
                            const EmbeddingSearch& search) {
-  std::mt19937_64 random(1);
+  std::mt19937_64 random(search.seed);
   Embedding found = start_of(attributes, search.sizes, random);
   const std::size_t depth = found.layers.size();
   const Eigen::Index batch = std::min<Eigen::Index>(kBatch, attributes.cols());

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <vector>
 
 #include "raybundle/occupancy/embedding.hpp"
@@ -14,6 +15,7 @@ struct EmbeddingSearch {
   int steps = 0;
   double decay = 0.0;    ///< how much weights are drawn to zero
   double dropout = 0.0;  ///< share of the values between layers that a step leaves out
+  std::uint64_t seed = 1;
 };
 
 /// Looks for an embedding in which near cases are of one kind: maximises the sum over cases of the logarithm of the

@@ -3,7 +3,7 @@
 #include "raybundle/occupancy/learn.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include "embedding_search.hpp"
 #include "raybundle/geometry/error.hpp"
@@ -11,7 +11,7 @@
 namespace raybundle {
 namespace {
 
-constexpr std::size_t kAsked = 4000;  // cases whose distances to the others set what is near
+constexpr Eigen::Index kAsked = 4000;  // cases whose distances to the others set what is near
 
 void check(const LabelledCases& cases, const LearnOptions& options) {
   if (cases.attributes.cols() != static_cast<Eigen::Index>(cases.classes.size()) ||
@@ -39,37 +39,48 @@ std::vector<int> kinds_of(const LabelledCases& cases) {
   return kinds;
 }
 
+double farthest_known(const CaseBase& base, const CaseSpace& space, double share) {
+  const Eigen::Index step = 1 + space.cases.cols() / kAsked;
+  std::vector<double> distances;
+  for (Eigen::Index n = 0; n < space.cases.cols(); n += step) {
+    distances.push_back(distance_to_others(base, space, static_cast<int>(n)));
+  }
+  std::ranges::sort(distances);
+  return distances[static_cast<std::size_t>(share * static_cast<double>(distances.size() - 1))];
+}
+
 }  // namespace
 
 CaseBase learn(const LabelledCases& cases, const LearnOptions& options) {
   check(cases, options);
   const Eigen::MatrixXf attributes = cases.attributes.cast<float>();
-  CaseBase base{
-      .attribute_set = cases.attribute_set,
-      .situations = cases.situations,
-      .group_names = cases.group_names,
-      .embedding = embedding_search(
-          attributes, kinds_of(cases),
-          {.sizes = options.layers, .steps = options.steps, .decay = options.decay, .dropout = options.dropout}),
-      .cases = {},
-      .classes = cases.classes,
-      .actions = cases.actions,
-      .neighbours = options.neighbours,
-      .farthest = 0.0};
-  base.cases.resize(base.embedding.size(), attributes.cols());
-  for (Eigen::Index n = 0; n < attributes.cols(); ++n) {
-    const EmbeddedPlace place = base.embedding.place(cases.attributes.col(n));
-    base.cases.col(n) = Eigen::Map<const Eigen::VectorXf>(place.data(), base.embedding.size());
+  CaseBase base{.attribute_set = cases.attribute_set,
+                .situations = cases.situations,
+                .group_names = cases.group_names,
+                .spaces = {},
+                .classes = {},
+                .actions = {},
+                .neighbours = options.neighbours};
+  const Eigen::Index every = 1 + (attributes.cols() - 1) / options.most_cases;
+  for (Eigen::Index n = 0; n < attributes.cols(); n += every) {
+    base.classes.push_back(cases.classes[n]);
+    base.actions.push_back(cases.actions[n]);
   }
-
-  const std::size_t step = 1 + cases.classes.size() / kAsked;
-  std::vector<double> distances;
-  for (std::size_t n = 0; n < cases.classes.size(); n += step) {
-    distances.push_back(classify_left_out(base, static_cast<int>(n)).distance);
+  for (int s = 0; s < options.spaces; ++s) {
+    const EmbeddingSearch search{.sizes = options.layers,
+                                 .steps = options.steps,
+                                 .decay = options.decay,
+                                 .dropout = options.dropout,
+                                 .seed = static_cast<std::uint64_t>(s) + 1};
+    CaseSpace space{.embedding = embedding_search(attributes, kinds_of(cases), search), .cases = {}};
+    space.cases.resize(space.embedding.size(), static_cast<Eigen::Index>(base.classes.size()));
+    for (Eigen::Index n = 0; n < space.cases.cols(); ++n) {
+      const EmbeddedPlace place = space.embedding.place(cases.attributes.col(n * every));
+      space.cases.col(n) = Eigen::Map<const Eigen::VectorXf>(place.data(), space.embedding.size());
+    }
+    space.farthest = farthest_known(base, space, options.known_share);
+    base.spaces.push_back(std::move(space));
   }
-  std::ranges::sort(distances);
-  const auto at = static_cast<std::size_t>(options.known_share * static_cast<double>(distances.size() - 1));
-  base.farthest = distances[at];
   base.check();
   return base;
 }

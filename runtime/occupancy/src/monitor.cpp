@@ -12,8 +12,9 @@ namespace raybundle {
 namespace {
 
 const AttributeSet* attributes_of(const CaseBase& base) {
+  base.check();
   const AttributeSet* set = attribute_set_named(base.attribute_set);
-  if (set == nullptr || set->size != base.embedding.attributes()) {
+  if (set == nullptr || set->size != base.spaces.front().embedding.attributes()) {
     throw Error(ErrorKind::kBadInput, "the base was learnt with attributes '" + base.attribute_set +
                                           "', which this program does not make; learn it again");
   }
@@ -24,7 +25,6 @@ const AttributeSet* attributes_of(const CaseBase& base) {
 
 OccupancyMonitor::OccupancyMonitor(const VehicleLayout& layout, CaseBase base, int rays, const MonitorOptions& options)
     : layout_(layout), base_(std::move(base)), attributes_(attributes_of(base_)), options_(options) {
-  base_.check();
   if (rays < 1 || options.calm_frames < 1) {
     throw Error(ErrorKind::kBadInput, "a monitor needs at least one ray and one calm frame");
   }
@@ -49,6 +49,7 @@ Occupancy OccupancyMonitor::process(const Scan& scan) {
   now.state = worse(scan.state, share < options_.good_points ? State::kDegraded : State::kOk);
   now.moving = moving_share(scan);
   now.zones = count_zones(layout_, scan, options_.zones);
+  now.free_rays = rays_through_zones(layout_, scan);
   now.verdict = classify(base_, attributes_->attributes(layout_, SeatPose{}, scan));
   vote(now);
   now.action = calmed(action_of(now));
@@ -95,28 +96,33 @@ void OccupancyMonitor::vote(Occupancy& now) const {
   if (*group >= options_.sure_of_group) now.group = static_cast<int>(group - groups.begin());
 }
 
-// What this frame alone says.
+// What this frame alone says. To fire, every space has to agree, and enough rays must have found the zones free: where
+// nothing was seen somebody may be.
 AirbagAction OccupancyMonitor::action_of(const Occupancy& now) const {
   if (now.zones.critical > 0) return AirbagAction::kNoFire;
   if (!now.verdict.known) return AirbagAction::kUndecided;
+  const auto least = [&](AirbagAction action) { return now.verdict.allowed_least[static_cast<std::size_t>(action)]; };
+  const bool seen = now.free_rays >= options_.least_free * static_cast<double>(range_m_.size());
+  if (seen && now.group >= 0) {
+    if (least(AirbagAction::kFire) >= options_.sure_of_force && now.zones.out_of_position == 0) {
+      return AirbagAction::kFire;
+    }
+    if (least(AirbagAction::kDepowered) >= options_.sure_of_force) return AirbagAction::kDepowered;
+  }
   const auto& votes = now.verdict.action_votes;
-  const double fire = votes[static_cast<std::size_t>(AirbagAction::kFire)],
-               some = fire + votes[static_cast<std::size_t>(AirbagAction::kDepowered)];
-  if (fire >= options_.sure_of_force && now.zones.out_of_position == 0) return AirbagAction::kFire;
-  if (some >= options_.sure_of_force) return AirbagAction::kDepowered;
-  return 1.0 - some >= options_.sure_of_no_fire ? AirbagAction::kNoFire : AirbagAction::kUndecided;
+  const double no_fire = votes[static_cast<std::size_t>(AirbagAction::kNoFire)];
+  return no_fire >= options_.sure_of_no_fire ? AirbagAction::kNoFire : AirbagAction::kUndecided;
 }
 
-// The least forceful of the last frames: what forbids acts at once, what allows has to last.
+// The least forceful of the last frames: what forbids acts at once, what allows has to last without a doubt between.
 AirbagAction OccupancyMonitor::calmed(AirbagAction now) {
-  if (now == AirbagAction::kUndecided) return now;
   AirbagAction least = now;
   for (const AirbagAction before : last_actions_) least = std::min(least, before);
   if (static_cast<int>(last_actions_.size()) + 1 >= options_.calm_frames && !last_actions_.empty()) {
     last_actions_.erase(last_actions_.begin());
   }
   if (options_.calm_frames > 1) last_actions_.push_back(now);
-  return least;
+  return now == AirbagAction::kNoFire ? now : least;
 }
 
 }  // namespace raybundle

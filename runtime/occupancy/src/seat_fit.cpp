@@ -114,6 +114,21 @@ SeatFit grown_from(SeatPose pose, const VehicleLayout& layout, const Scan& scan,
   return fit;
 }
 
+// Of the points beside which the seat's flat middle lies, those that are clear of it.
+double hidden_share(const SeatPose& pose, const Scan& scan, const SeatFitOptions& options) {
+  int on_it = 0, all = 0;
+  for (const ScenePoint& point : scan.points) {
+    if (std::abs(point.x_in_vehicle.y()) > options.half_width_m) continue;
+    const Eigen::Vector2d off(point.x_in_vehicle.x() - pose.bight.x(), point.x_in_vehicle.z() - pose.bight.y());
+    const double along = off.dot(pose.cushion_forward()), up = off.dot(pose.back_up());
+    if (along > kCushion.to_m || up > kBack.to_m) continue;
+    ++all;
+    on_it += std::min(pose.above_cushion(point.x_in_vehicle), pose.before_back(point.x_in_vehicle)) >
+             options.occupied_m + 2.0 * point.sigma_m;
+  }
+  return all == 0 ? 0.0 : static_cast<double>(on_it) / all;
+}
+
 }  // namespace
 
 SeatFit fit_seat(const VehicleLayout& layout, const Scan& scan, const SeatFitOptions& options) {
@@ -129,7 +144,31 @@ SeatFit fit_seat(const VehicleLayout& layout, const Scan& scan, const SeatFitOpt
       if (fit.found && fit.cushion_points + fit.back_points > best.cushion_points + best.back_points) best = fit;
     }
   }
+  best.hidden = hidden_share(best.pose, scan, options);
+  best.found = best.found && best.hidden <= options.most_hidden;
   return best;
+}
+
+void SeatWatch::add(const SeatFit& fit) {
+  if (!fit.found) return;
+  last_ = fit;
+  ++frames_;
+  const SeatPose& pose = fit.pose;
+  const Eigen::Vector4d value(pose.bight.x(), pose.bight.y(), pose.recline_rad, pose.cushion_pitch_rad);
+  const Eigen::Vector4d off = value - mean_;
+  mean_ += off / frames_;
+  squares_ += off.cwiseProduct(value - mean_);  // Welford 1962
+}
+
+SeatFit SeatWatch::seat() const {
+  SeatFit seat = last_;
+  if (frames_ == 0) return seat;
+  seat.pose = {mean_.head<2>(), mean_[2], mean_[3]};
+  if (frames_ < 3) return seat;
+  const Eigen::Vector4d sigma = (squares_ / (frames_ - 1.0) / frames_).cwiseSqrt();
+  seat.bight_sigma_m = sigma.head<2>();
+  seat.recline_sigma_rad = sigma[2];
+  return seat;
 }
 
 }  // namespace raybundle

@@ -7,11 +7,13 @@
 #include <cmath>
 #include <cstdint>
 
+#include "raybundle/occupancy/box.hpp"
+
 namespace raybundle {
 namespace {
 
 constexpr int kMostLeastPoints = 64;
-constexpr double kCell_m = 0.06;
+constexpr double kCell_m = 0.06, kAboveDashboard_m = 0.15;
 constexpr int kAlong = 24, kAcross = 16, kUp = 16;  // cells; what is beyond shares the outermost ones
 
 struct Nearest {
@@ -44,6 +46,13 @@ InZones in_zones(const VehicleLayout& layout, const Scan& scan, const ScenePoint
 }
 
 }  // namespace
+
+int rays_through_zones(const VehicleLayout& layout, const Scan& scan) {
+  const double half = layout.zone_half_width_m, x = layout.dashboard_x_m;
+  const Box zones{.low = {x - layout.out_of_position_m, -half, layout.zone_floor_m},
+                  .high = {x, half, layout.dashboard_top_m + kAboveDashboard_m}};
+  return count_rays(zones, scan).passed;
+}
 
 ZoneCount count_zones(const VehicleLayout& layout, const Scan& scan, const ZoneOptions& options) {
   std::array<std::uint16_t, kAlong * kAcross * kUp> in_cell{};

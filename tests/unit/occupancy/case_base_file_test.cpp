@@ -13,16 +13,16 @@ CaseBase small_base() {
   CaseBase base{.attribute_set = "test",
                 .situations = {{.name = "empty", .inert = true}, {.name = "adult"}},
                 .group_names = {"nobody", "somebody"},
-                .embedding = {.centre = Eigen::Vector3f(1, 2, 3),
-                              .scale = Eigen::Vector3f(1, 2, 3),
-                              .layers = {{Eigen::MatrixXf::Random(4, 3), Eigen::VectorXf::Random(4)},
-                                         {Eigen::MatrixXf::Random(2, 4), Eigen::VectorXf::Random(2)}}},
-                .cases = Eigen::MatrixXf::Random(2, 5),
+                .spaces = {{.embedding = {.centre = Eigen::Vector3f(1, 2, 3),
+                                          .scale = Eigen::Vector3f(1, 2, 3),
+                                          .layers = {{Eigen::MatrixXf::Random(4, 3), Eigen::VectorXf::Random(4)},
+                                                     {Eigen::MatrixXf::Random(2, 4), Eigen::VectorXf::Random(2)}}},
+                            .cases = Eigen::MatrixXf::Random(2, 5),
+                            .farthest = 1.5}},
                 .classes = {0, 1, 0, 1, 1},
                 .actions = {AirbagAction::kNoFire, AirbagAction::kFire, AirbagAction::kNoFire, AirbagAction::kFire,
                             AirbagAction::kDepowered},
-                .neighbours = 3,
-                .farthest = 1.5};
+                .neighbours = 3};
   base.situations[1].group = 1;
   return base;
 }
@@ -32,8 +32,8 @@ TEST(CaseBaseFile, BringsBackTheSameBits) {
   const std::string bytes = bytes_from_case_base(base);
   const CaseBase back = case_base_from_bytes(bytes, "base");
   EXPECT_EQ(bytes_from_case_base(back), bytes);
-  EXPECT_EQ(back.cases, base.cases);
-  EXPECT_EQ(back.embedding.layers[0].weights, base.embedding.layers[0].weights);
+  EXPECT_EQ(back.spaces[0].cases, base.spaces[0].cases);
+  EXPECT_EQ(back.spaces[0].embedding.layers[0].weights, base.spaces[0].embedding.layers[0].weights);
   EXPECT_EQ(back.situations[1].name, "adult");
   EXPECT_EQ(back.actions, base.actions);
   EXPECT_TRUE(back.situations[0].inert);

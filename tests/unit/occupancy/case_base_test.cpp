@@ -55,10 +55,22 @@ TEST(CaseBase, WhatIsFarFromAllCasesIsUnknown) {
   EXPECT_FALSE(classify(base, Eigen::Vector2d(std::nan(""), 0.0)).known);
 }
 
-TEST(CaseBase, ACaseLeftOutDoesNotVoteForItself) {
-  const LabelledCases cases = two_clouds(60, 3);
-  const CaseBase base = learn(cases, kQuick);
-  EXPECT_GT(classify_left_out(base, 5).distance, classify(base, cases.attributes.col(5)).distance);
+TEST(CaseBase, ACaseIsNotItsOwnNeighbour) {
+  CaseBase base = learn(two_clouds(60, 3), kQuick);
+  base.neighbours = 1;
+  EXPECT_GT(distance_to_others(base, base.spaces[0], 5), 0.0);
+}
+
+// An action is only as allowed as the most doubtful of the spaces says.
+TEST(CaseBase, SpacesThatDisagreeAreNotSure) {
+  CaseBase base = learn(two_clouds(400, 1), kQuick);
+  for (CaseSpace& space : base.spaces) space.farthest = 1e9;
+  const auto fire = static_cast<std::size_t>(AirbagAction::kFire);
+  const Eigen::Vector2d right(3.0, 0.0);
+  EXPECT_DOUBLE_EQ(classify(base, right).allowed_least[fire], 1.0);
+  base.spaces[1].embedding.centre[0] += 3.0F;  // it takes what is right for left
+  EXPECT_LT(classify(base, right).allowed_least[fire], 0.5);
+  EXPECT_GT(classify(base, right).action_votes[fire], 0.5);
 }
 
 TEST(CaseBase, TooFewCasesOfAClassAreRefused) {
@@ -68,7 +80,7 @@ TEST(CaseBase, TooFewCasesOfAClassAreRefused) {
 }
 
 TEST(CaseBase, SizesThatDoNotAgreeAreRefused) {
-  CaseBase base = learn(two_clouds(40, 4), kQuick);
+  CaseBase base = learn(two_clouds(80, 4), kQuick);
   base.classes.pop_back();
   EXPECT_THROW(base.check(), Error);
 }

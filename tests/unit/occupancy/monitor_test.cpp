@@ -93,7 +93,7 @@ TEST(Monitor, NoFireIsNeverDelayedAndFireIs) {
 
 TEST(Monitor, SomethingInTheOuterZoneIsFiredAtGently) {
   CaseBase knows_all = shared_base();
-  knows_all.farthest = 1e9;
+  for (CaseSpace& space : knows_all.spaces) space.farthest = 1e9;
   OccupancyMonitor monitor({}, knows_all, kRays);
   std::vector<ScenePoint> points = scene(true, 0.2, 0.0, 903);
   points[40].x_in_vehicle = {0.42, 0.0, 0.5};

@@ -59,6 +59,38 @@ TEST(SeatFit, TellsHowSureItIs) {
   EXPECT_LT(std::abs(found.pose.recline_rad - truth.recline_rad), 5 * found.recline_sigma_rad);
 }
 
+// A box on the cushion hides a part of the seat: the lines may be those of the box.
+TEST(SeatFit, AnOccupiedSeatIsNotFound) {
+  const SeatPose truth{{-0.14, -0.11}, 0.4, 0.21};
+  std::vector<ScenePoint> points = seat_points(truth, 0.0);
+  const int free = static_cast<int>(points.size());
+  for (int i = 0; i < 300; ++i) points.push_back({free + i, {0.0 + 0.001 * i, 0.0, 0.20}, 0.001});
+  const SeatFit found = fit(points);
+  EXPECT_FALSE(found.found);
+  EXPECT_GT(found.hidden, 0.15);
+}
+
+// Errors that a whole frame has in common do not show in its scatter; between frames they do, and shrink in the mean.
+TEST(SeatWatch, AveragesFramesAndTellsTheirScatter) {
+  Random random(5);
+  SeatWatch watch;
+  EXPECT_FALSE(watch.seat().found);
+  watch.add({});
+  EXPECT_EQ(watch.frames(), 0);
+  constexpr int kFrames = 100;
+  for (int i = 0; i < kFrames; ++i) {
+    SeatFit fit;
+    fit.found = true;
+    fit.bight_sigma_m = {1e-4, 1e-4};
+    fit.pose.bight = {-0.1 + 0.01 * random.normal(), -0.1};
+    watch.add(fit);
+  }
+  const SeatFit seat = watch.seat();
+  EXPECT_TRUE(seat.found);
+  EXPECT_NEAR(seat.pose.bight.x(), -0.1, 0.004);       // four sigmas of the mean
+  EXPECT_NEAR(seat.bight_sigma_m.x(), 0.001, 0.0003);  // a hundred frames tell a scatter to 7 %
+}
+
 TEST(SeatFit, AHiddenSeatIsNotFound) {
   EXPECT_FALSE(fit({}).found);
   std::vector<ScenePoint> points = seat_points({}, 0.0);

@@ -26,10 +26,10 @@ struct AttributeSet {
 
 /// For hundreds of points. Profile: horizontal stripes of the longitudinal plane, one around the cushion, two above it
 /// and one for heads, each cut along x into boxes; how full each is of what the rays saw of it. Relief: for places on
-/// the empty seat, how far before them the rays end.
+/// the empty seat, how far before them the rays end. Reach: how many rays end before the dashboard.
 extern const AttributeSet kStripes;
 
-/// For thousands of points: the same profile, and a relief of more places and less blur.
+/// For thousands of points: the same with less blur.
 extern const AttributeSet kBoxes;
 
 /// The set of that name; nullptr when there is none.

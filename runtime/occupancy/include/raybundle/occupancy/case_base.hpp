@@ -14,6 +14,7 @@ namespace raybundle {
 
 inline constexpr int kMostClasses = 16;
 inline constexpr int kMostNeighbours = 32;
+inline constexpr int kMostSpaces = 8;
 
 /// What the airbag may do in a crash, from the least forceful. Undecided: whoever asks must fall back on other sensors.
 enum class AirbagAction : std::uint8_t { kUndecided, kNoFire, kDepowered, kFire };
@@ -26,30 +27,37 @@ struct SituationClass {
   bool inert = false;  ///< nothing of it moves by itself
 };
 
-/// Learnt situations: scenes whose class is known, as places in a space in which situations of one class are near to
-/// each other. Sizes agree: see check().
+/// A space in which learnt situations of one class are near to each other.
+struct CaseSpace {
+  Embedding embedding;    ///< from attributes to the space
+  Eigen::MatrixXf cases;  ///< M×N, one column a learnt situation
+  double farthest = 0.0;  ///< a situation farther than this from its nearest cases is unknown
+};
+
+/// Learnt situations: scenes whose class is known, in several spaces that were learnt apart: where they disagree,
+/// nothing is sure. Sizes agree: see check().
 struct CaseBase {
   std::string attribute_set;               ///< which function made the attributes: see attributes.hpp
   std::vector<SituationClass> situations;  ///< at most kMostClasses
   std::vector<std::string> group_names;    ///< at most kMostClasses
-  Embedding embedding;                     ///< from attributes to the space of the cases
-  Eigen::MatrixXf cases;                   ///< M×N, one column a learnt situation
+  std::vector<CaseSpace> spaces;           ///< at most kMostSpaces
   std::vector<std::uint8_t> classes;       ///< N, indices into situations
   std::vector<AirbagAction> actions;       ///< N, what was right for each case
   int neighbours = 7;                      ///< k
-  double farthest = 0.0;                   ///< a situation farther than this from its nearest cases is unknown
 
   /// @throws Error(kBadInput) naming what does not agree
   void check() const;
 };
 
-/// What the nearest cases say.
+/// What the nearest cases say; means over the spaces but where it says otherwise.
 struct CaseVerdict {
   int best = -1;                                      ///< class with the most votes
   std::array<double, kMostClasses> votes{};           ///< shares, sum 1: the nearer a case the more its vote counts
   std::array<double, kAirbagActions> action_votes{};  ///< shares, sum 1
-  double distance = 0.0;                              ///< mean to the k nearest cases
-  bool known = false;                                 ///< near enough to cases
+  std::array<double, kAirbagActions>
+      allowed_least{};    ///< votes for this action or a more forceful one: least of any space
+  double distance = 0.0;  ///< mean to the k nearest cases, over the farthest known
+  bool known = false;     ///< near enough to cases in every space
 };
 
 /// The k nearest cases vote. Brute force: bounded, without heap, the same bits on every run.
@@ -57,7 +65,7 @@ struct CaseVerdict {
 /// @param attributes  as many as the embedding takes
 CaseVerdict classify(const CaseBase& base, const Eigen::Ref<const Eigen::VectorXd>& attributes);
 
-/// As classify, but leaves one case out: how well the base knows its own cases.
-CaseVerdict classify_left_out(const CaseBase& base, int left_out);
+/// How far a case is from the k nearest others of its space, on average.
+double distance_to_others(const CaseBase& base, const CaseSpace& space, int index);
 
 }  // namespace raybundle

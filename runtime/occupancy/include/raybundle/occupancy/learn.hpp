@@ -22,10 +22,12 @@ struct LabelledCases {
 };
 
 struct LearnOptions {
-  int neighbours = 15;
+  int neighbours = 25;
+  int spaces = 3;                       ///< learnt apart, each from other random numbers
+  int most_cases = 24000;               ///< kept, evenly chosen; all are learnt from
   double known_share = 0.999;           ///< of the learnt cases that are near enough to the others: sets `farthest`
   std::vector<int> layers{96, 48, 16};  ///< sizes of the embedding's layers, the last one that of the cases' space
-  int steps = 3000;                     ///< of the search for it
+  int steps = 2000;                     ///< of the search for it
   double decay = 1e-4;                  ///< how much its weights are drawn to zero
   double dropout = 0.1;                 ///< share of the values between layers that a step leaves out
 };

@@ -13,7 +13,8 @@ namespace raybundle {
 
 struct MonitorOptions {
   ZoneOptions zones;
-  double sure_of_force = 0.9;    ///< votes that an action must have before it is taken for harmless
+  double sure_of_force = 0.9;    ///< votes that an action must have in every space before it is taken for harmless
+  double least_free = 0.14;      ///< share of the rays that must have crossed the zones before the airbag may fire
   double sure_of_no_fire = 0.5;  ///< votes that nobody may be fired at, before that is said
   double sure_of_group = 0.6;    ///< votes of a group before it is told
   double least_points = 0.25;    ///< share of the rays that must end somewhere; fewer: INVALID
@@ -31,6 +32,7 @@ struct Occupancy {
   int situation = -1;                              ///< index into CaseBase::situations; -1: unknown
   double confidence = 0.0;                         ///< votes of that situation
   ZoneCount zones;
+  int free_rays = 0;    ///< that crossed the zones and ended beyond
   double moving = 0.0;  ///< share of the rays on the seat whose end moved since the last frame
   CaseVerdict verdict;
 };
@@ -67,7 +69,7 @@ class OccupancyMonitor {
   std::vector<double> last_range_m_;  ///< of each ray; NaN: it did not end
   std::vector<double> range_m_;
   bool first_ = true;
-  std::vector<AirbagAction> last_actions_;  ///< of the last calm_frames - 1 frames, undecided ones left out
+  std::vector<AirbagAction> last_actions_;  ///< of the last calm_frames - 1 frames
 };
 
 }  // namespace raybundle

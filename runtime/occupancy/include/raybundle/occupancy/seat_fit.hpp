@@ -13,6 +13,8 @@ struct SeatFitOptions {
   double tolerance_m = 0.03;   ///< of a point from a line that it belongs to, beside three of its sigmas
   int least_points = 12;       ///< on each line
   int iterations = 12;
+  double occupied_m = 0.06;   ///< what is so far before both lines is on the seat
+  double most_hidden = 0.15;  ///< share of the points within the seat's reach that may be on it: more hide the seat
 };
 
 /// A seat that was found.
@@ -24,11 +26,31 @@ struct SeatFit {
   Eigen::Vector2d bight_sigma_m = Eigen::Vector2d::Zero();  ///< by the points' scatter about the lines
   double recline_sigma_rad = 0.0;
   double planarity_m = 0.0;  ///< root mean square distance of their points from the two lines
+  double hidden = 0.0;       ///< share of the points within the seat's reach that are on it
 };
 
 /// Cushion and back as two lines in the longitudinal plane. They start from the seat amid its travel and grow: points
 /// near a line join it, the line is fitted again, and what would leave the travel that the car allows is refused. Of
 /// points before the seat, those of an occupant, none joins; a seat that is hidden is not found.
 SeatFit fit_seat(const VehicleLayout& layout, const Scan& scan, const SeatFitOptions& options = {});
+
+/// The seat over several frames. Depths of neighbouring pixels err alike, which the scatter in one frame does not
+/// show; from frame to frame they err anew. So frames are averaged, and their scatter says how sure the mean is.
+class SeatWatch {
+ public:
+  /// Takes one more frame; fits that found nothing change nothing.
+  void add(const SeatFit& fit);
+
+  /// Mean of the frames; from the third one on, sigmas are those of the mean by the scatter between frames.
+  SeatFit seat() const;
+
+  int frames() const { return frames_; }
+
+ private:
+  SeatFit last_;
+  int frames_ = 0;
+  Eigen::Vector4d mean_ = Eigen::Vector4d::Zero();     ///< bight x and z, recline, pitch
+  Eigen::Vector4d squares_ = Eigen::Vector4d::Zero();  ///< of the deviations from it
+};
 
 }  // namespace raybundle

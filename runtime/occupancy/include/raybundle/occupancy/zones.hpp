@@ -23,6 +23,9 @@ struct ZoneCount {
   double sigma_m = 0.0;     ///< of that point
 };
 
+/// Rays that cross both zones and end beyond: they prove that what they crossed is free.
+int rays_through_zones(const VehicleLayout& layout, const Scan& scan);
+
 ZoneCount count_zones(const VehicleLayout& layout, const Scan& scan, const ZoneOptions& options = {});
 
 }  // namespace raybundle
