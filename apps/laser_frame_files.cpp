@@ -90,7 +90,10 @@ LaserFrameFiles laser_frame_files(const LaserFrame& frame, const SensorTable& ta
   const PointMesh mesh = mesh_of(frame, table);
   std::vector<std::uint8_t> jpeg;
   if (!cv::imencode(".jpg", grey, jpeg)) throw Error(ErrorKind::kIo, "cannot be shown on a page", image);
-  return {json.dump(1), ply_from(mesh), glb_from(mesh), laser_page(json.dump(), jpeg)};
+  const auto text = [&json](int indent) {  // a path may hold bytes that are no UTF-8
+    return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+  };
+  return {text(1), ply_from(mesh), glb_from(mesh), laser_page(text(-1), jpeg)};
 }
 
 }  // namespace raybundle::apps

@@ -15,7 +15,7 @@ constexpr std::string_view kBegin = R"(<!doctype html>
 body { font: 15px/1.4 system-ui, sans-serif; margin: 1.5rem; max-width: 90rem; }
 main { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(28rem, 100%), 1fr)); gap: 1rem; }
 figure { margin: 0; } figcaption { opacity: .75; margin-top: .3rem; }
-svg, canvas { width: 100%; border: 1px solid var(--line); border-radius: 4px; display: block; }
+svg, canvas { width: 100%; max-height: 42rem; border: 1px solid var(--line); border-radius: 4px; display: block; }
 canvas { aspect-ratio: 4 / 3; touch-action: none; cursor: grab; }
 .state { padding: .1rem .6rem; border-radius: 4px; color: #fff; background: #2a7; }
 .DEGRADED { background: #b70; } .INVALID { background: #c33; }
@@ -78,6 +78,10 @@ const plot = (id, axis) => {
   for (let z = 0; z <= width; z += 0.25) {
     make(svg, 'path', {d: `M${z} ${least}V${most}`, stroke: 'currentColor', 'stroke-opacity': .15, 'stroke-width': .002 * width});
     make(svg, 'text', {x: z + 0.01 * width, y: most - 0.015 * width, 'font-size': .03 * width, fill: 'currentColor'}, z.toFixed(2));
+  }
+  for (let y = Math.ceil(least / 0.25) * 0.25; y <= most - 0.05; y += 0.25) {
+    make(svg, 'path', {d: `M0 ${y}H${width}`, stroke: 'currentColor', 'stroke-opacity': .15, 'stroke-width': .002 * width});
+    make(svg, 'text', {x: 0.01 * width, y: y - 0.01 * width, 'font-size': .03 * width, fill: 'currentColor'}, y.toFixed(2));
   }
   frame.points.forEach(p => {
     const [z, y, s] = [p.x_in_camera_m[2], p.x_in_camera_m[axis], Math.sqrt(p.covariance_m2[8])];

@@ -3,16 +3,15 @@
 #include <fmt/format.h>
 
 #include <CLI/App.hpp>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <opencv2/core/mat.hpp>
 #include <set>
-#include <thread>
 
+#include "folder_watch.hpp"
 #include "image_files.hpp"
 #include "laser_frame_files.hpp"
+#include "laser_images.hpp"
 #include "output_folder.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/quantile.hpp"
@@ -56,35 +55,36 @@ class Reconstruction {
                "sigma mm", "state");
   }
 
-  void take(const std::string& path, const std::string& off_path) {
-    const std::string name = fs::path(path).stem().string();
-    if (!names_.insert(name).second) {
+  void take(const LaserShot& shot) {
+    const std::string name = fs::path(shot.on).stem().string();
+    if (names_.contains(name)) {
       throw Error(ErrorKind::kBadInput,
                   "two images are called " + name +
                       ", and their results would be one file; "
                       "reconstruct them into folders of their own",
-                  path);
+                  shot.on);
     }
-    const cv::Mat on = sensor_image(path, table_);
-    const cv::Mat off = off_path.empty() ? cv::Mat() : sensor_image(off_path, table_);
-    const LaserFrame& frame = sensor_.process(view_of(on), off.empty() ? GreyView{} : view_of(off));
-    const LaserFrameFiles files = laser_frame_files(frame, table_, path, on);
+    const ShotImages images = shot_images(shot, table_);
+    const LaserFrame& frame = sensor_.process(view_of(images.on), view_of(images.off));
+    const LaserFrameFiles files = laser_frame_files(frame, table_, shot.on, images.on);
     const fs::path folder(flags_.output);
     write_results(folder, {{folder / (name + ".json"), files.json},
                            {folder / (name + ".ply"), files.ply},
                            {folder / (name + ".glb"), files.glb},
                            {folder / (name + ".html"), files.html}});
     flags_.json ? static_cast<void>(fmt::print("{}\n", files.json)) : print_row(name, frame);
+    names_.insert(name);
     state_ = frame.state;
     if (frame.health.state == State::kInvalid) say_turned(name, frame.health);
   }
 
   int taken() const { return static_cast<int>(names_.size()); }
-  bool knows(const fs::path& path) const { return names_.contains(path.stem().string()); }
 
   void finish() const {
-    if (!flags_.json)
+    if (names_.empty()) say("no image came");
+    if (!flags_.json && !names_.empty()) {
       fmt::print("\nwrote {}: points in JSON, PLY and GLB, and a page, for each image\n", flags_.output);
+    }
     if (state_ == State::kInvalid) throw GateFailed{};
   }
 
@@ -119,46 +119,22 @@ class Reconstruction {
   State state_ = State::kOk;
 };
 
-bool is_image(const fs::path& path) {
-  static const std::set<std::string> kEndings{".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".tif", ".tiff"};
-  std::string ending = path.extension().string();
-  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  return kEndings.contains(ending);
-}
-
-// Takes images as they come into a folder. A file counts as there when its size has stayed the same for a tick.
-void watch(const Flags& flags, Reconstruction& reconstruction) {
-  constexpr std::chrono::milliseconds kTick(100);
-  if (!fs::is_directory(flags.watch)) throw Error(ErrorKind::kIo, "is no folder to watch; make it first", flags.watch);
-  std::map<fs::path, std::uintmax_t> sizes;
-  while (flags.frames == 0 || reconstruction.taken() < flags.frames) {
-    std::error_code gone;  // files may vanish while they are looked at
-    for (const auto& entry : fs::directory_iterator(flags.watch, gone)) {
-      if (!is_image(entry.path()) || reconstruction.knows(entry.path())) continue;
-      const auto size = entry.file_size(gone);
-      const bool settled = !gone && size > 0 && sizes.contains(entry.path()) && sizes[entry.path()] == size;
-      sizes[entry.path()] = size;
-      if (settled && (flags.frames == 0 || reconstruction.taken() < flags.frames)) {
-        reconstruction.take(entry.path().string(), "");
-      }
-    }
-    std::this_thread::sleep_for(kTick);
-  }
-}
-
 void run(const Flags& flags) {
   if (flags.images.empty() == flags.watch.empty()) {
     throw Error(ErrorKind::kBadInput, "give images, or a folder with --watch, and not both");
   }
-  const std::vector<std::string> images = files_of(flags.images), off = files_of(flags.off);
-  if (!off.empty() && off.size() != images.size()) {
-    throw Error(ErrorKind::kBadInput, fmt::format("there are {} images with the laser on and {} with it off; they have "
-                                                  "to be as many, in the same order",
-                                                  images.size(), off.size()));
+  if (!flags.watch.empty() && !flags.off.empty()) {
+    throw Error(ErrorKind::kBadInput, "--watch takes images with the laser on only; leave out --off");
   }
+  const std::vector<LaserShot> shots = laser_shots(files_of(flags.images), files_of(flags.off));
   Reconstruction reconstruction(flags);
-  for (std::size_t i = 0; i < images.size(); ++i) reconstruction.take(images[i], off.empty() ? "" : off[i]);
-  if (!flags.watch.empty()) watch(flags, reconstruction);
+  for (const LaserShot& shot : shots) reconstruction.take(shot);
+  if (!flags.watch.empty()) {
+    watch_folder(flags.watch, [&](const std::string& path) {
+      reconstruction.take({path, ""});
+      return reconstruction.taken() != flags.frames;
+    });
+  }
   reconstruction.finish();
 }
 
@@ -171,9 +147,11 @@ void add_structured_light_reconstruction(CLI::App& reconstruct) {
       ->required()
       ->type_name("CALIBRATION");
   verb->add_option("images", flags->images, "with the laser on; patterns in quotes")->type_name("IMAGE");
-  verb->add_option("--off", flags->off, "the same moments with the laser off, in the same order")->type_name("IMAGE");
+  verb->add_option("--off", flags->off, "the same moments with the laser off: of the same digits, or in the same order")
+      ->type_name("IMAGE");
   verb->add_option("-o,--output", flags->output, "folder to write")->type_name("DIR")->required();
-  verb->add_option("--watch", flags->watch, "take images as they come into a folder")->type_name("DIR");
+  verb->add_option("--watch", flags->watch, "take images as they come into a folder, until interrupted")
+      ->type_name("DIR");
   verb->add_option("--frames", flags->frames, "with --watch: end after so many")->check(CLI::Range(1, 1 << 30));
   std::vector<std::string> names;
   for (const Labeller& labeller : kLabellers) names.emplace_back(labeller.name);

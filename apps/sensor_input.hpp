@@ -3,11 +3,9 @@
 #pragma once
 
 #include <CLI/App.hpp>
-#include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
 
-#include "raybundle/device/image_view.hpp"
 #include "raybundle/structured_light/table_file.hpp"
 
 namespace raybundle::apps {
@@ -30,13 +28,5 @@ SensorTable table_from_calibration(const std::string& path, const SensorFlags& f
 
 /// The same, or the table in a file that is one already.
 SensorTable sensor_of(const std::string& path, const SensorFlags& flags);
-
-/// A grey image of 8 bits; deeper ones are scaled from the range that they use: 10, 12 or 16 bits.
-///
-/// @throws Error(kIo) when it cannot be read; Error(kBadInput) when it is not of the sensor's size
-cv::Mat sensor_image(const std::string& path, const SensorTable& table);
-
-/// A view of it.
-GreyView view_of(const cv::Mat& image);
 
 }  // namespace raybundle::apps

@@ -2,9 +2,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <filesystem>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <thread>
+
+#include "browser.hpp"
 #include "eye_safety_limits.hpp"
 #include "mesh_files.hpp"
 #include "program.hpp"
@@ -146,6 +157,79 @@ TEST_F(StructuredLightProgram, TakesImagesAsTheyComeIntoAFolder) {
   }
 }
 
+// The program in the background, to be interrupted.
+class RunningProgram {
+ public:
+  RunningProgram(std::vector<std::string> arguments, const fs::path& err) {
+    arguments.insert(arguments.begin(), RAYBUNDLE_PROGRAM);
+    std::vector<char*> pointers;
+    for (std::string& argument : arguments) pointers.push_back(argument.data());
+    pointers.push_back(nullptr);
+    process_ = fork();
+    if (process_ != 0) return;
+    if (std::freopen(err.c_str(), "w", stderr) == nullptr || std::freopen("/dev/null", "w", stdout) == nullptr)
+      _exit(99);
+    execv(pointers[0], pointers.data());
+    _exit(99);
+  }
+
+  /// Its exit code after a signal; -1 when that ended it.
+  int end_by(int signal) const {
+    int status = 0;
+    kill(process_, signal);
+    waitpid(process_, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+ private:
+  pid_t process_ = -1;
+};
+
+// A file is taken when it is whole, others are named and passed over, and a signal ends it well.
+TEST_F(StructuredLightProgram, WatchesAFolderUntilItIsInterrupted) {
+  const fs::path live = folder_ / "live", first = live / fs::path(on_[0]).filename(),
+                 second = live / fs::path(on_[1]).filename(), points = folder_ / "points", err = folder_ / "err";
+  fs::create_directory(live);
+  fs::copy(on_[0], first);
+  write_text(live / "broken.png", "no image");
+  const auto taken = [&](const fs::path& image) { return fs::exists(points / (image.stem().string() + ".json")); };
+  const auto wait_for = [](auto&& done) {  // at most half a minute, on a machine with much else to do
+    for (int tick = 0; tick < 300 && !done(); ++tick) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    return done();
+  };
+  const RunningProgram program(
+      {"reconstruct", "structured-light", truth_, "--watch", live.string(), "-o", points.string()}, err);
+  EXPECT_TRUE(wait_for([&] { return taken(first); }));
+  write_text(second, text_of(on_[1]).substr(0, 20000));
+  std::this_thread::sleep_for(std::chrono::milliseconds(800));
+  EXPECT_FALSE(taken(second));
+  fs::copy_file(on_[1], second, fs::copy_options::overwrite_existing);
+  EXPECT_TRUE(wait_for([&] { return taken(second); }));
+  EXPECT_TRUE(wait_for([&] { return text_of(err).find("broken.png") != std::string::npos; }));
+  EXPECT_EQ(program.end_by(SIGTERM), 0);
+}
+
+TEST_F(StructuredLightProgram, ShowsItsPageWithoutErrors) {
+  if (browser_name().empty()) GTEST_SKIP() << "there is no Chromium: install it to look at pages";
+  const ProgramRun run = reconstruct({truth_, on_[0], "--off", off_[0]});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const std::string name = fs::path(on_[0]).stem().string();
+  const nlohmann::json frame = json_of(folder_ / "points" / (name + ".json"));
+  Browser browser(folder_ / "profile");
+  browser.open(folder_ / "points" / (name + ".html"));
+  EXPECT_TRUE(browser.errors.empty()) << browser.errors.front();
+  for (const std::string& request : browser.requests) {  // the page alone and what it holds: nothing is fetched
+    EXPECT_TRUE(request.starts_with("file:") || request.starts_with("data:")) << request;
+  }
+  EXPECT_EQ(browser.evaluate("document.getElementById('state').textContent"), frame["state"]);
+  const auto count = [&](const char* selector) {
+    return browser.evaluate(std::string("document.querySelectorAll('") + selector + "').length").get<std::size_t>();
+  };
+  EXPECT_EQ(count("#image circle"), frame["points"].size());
+  EXPECT_EQ(count("#image path"), frame["dots"].size() - frame["points"].size());
+  EXPECT_EQ(count("#side circle"), frame["points"].size());
+}
+
 TEST_F(StructuredLightProgram, SaysWhatIsWrongWithItsInput) {
   const auto says = [&](std::vector<std::string> arguments, int exit_code, const char* words) {
     const ProgramRun run = reconstruct(std::move(arguments));
@@ -153,7 +237,15 @@ TEST_F(StructuredLightProgram, SaysWhatIsWrongWithItsInput) {
     EXPECT_NE(run.err.find(words), std::string::npos) << run.err;
   };
   says({truth_}, 2, "give images");
-  says({truth_, on_[0], "--off", off_[0], off_[1]}, 2, "as many");
+  says({truth_, on_[0], on_[1], "--off", off_[1]}, 2, fs::path(on_[0]).filename().c_str());  // the lonely one
+  says({truth_, on_[0], "--off", off_[0], off_[1]}, 2, "no image with the laser on");
+  says({truth_, "--watch", (folder_ / "nowhere").string()}, 5, "no folder to watch");
+  const std::string cut = (folder_ / "cut.png").string();
+  write_text(cut, text_of(on_[0]).substr(0, 20000));
+  says({truth_, cut}, 5, "truncated");
+  const std::string small = (folder_ / "small.png").string();
+  cv::imwrite(small, cv::Mat(240, 320, CV_8U, cv::Scalar(9)));
+  says({truth_, small}, 2, "320x240");
   says({truth_, "nothing*.png"}, 5, "nothing*.png");
   write_text(folder_ / "cut.rbsl", "RBSLTABL and no more");
   says({(folder_ / "cut.rbsl").string(), on_[0]}, 2, "structured-light table");
@@ -163,6 +255,26 @@ TEST_F(StructuredLightProgram, SaysWhatIsWrongWithItsInput) {
   write_text(plain, calibration.dump());
   says({plain, on_[0]}, 2, "no laser beams");
   EXPECT_FALSE(fs::exists(folder_ / "points"));
+}
+
+// The same light in 8 bits, 12 of 16 bits and in colour gives the same points.
+TEST_F(StructuredLightProgram, ReadsDeepAndColouredImages) {
+  const auto points_of = [&](const std::string& on, const std::string& off) {
+    const ProgramRun run = reconstruct({truth_, on, "--off", off});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return json_of(folder_ / "points" / (fs::path(on).stem().string() + ".json"))["points"];
+  };
+  const nlohmann::json plain = points_of(on_[0], off_[0]);
+  cv::Mat on = cv::imread(on_[0], cv::IMREAD_GRAYSCALE), off = cv::imread(off_[0], cv::IMREAD_GRAYSCALE), coloured;
+  cv::cvtColor(on, coloured, cv::COLOR_GRAY2BGR);
+  on.convertTo(on, CV_16U, 16.0);
+  off.convertTo(off, CV_16U, 16.0);
+  const auto file = [&](const char* name) { return (folder_ / name).string(); };
+  cv::imwrite(file("deep_1.png"), on);
+  cv::imwrite(file("dark_1.png"), off);
+  cv::imwrite(file("colour.png"), coloured);
+  EXPECT_EQ(points_of(file("deep_1.png"), file("dark_1.png")).size(), plain.size());
+  EXPECT_EQ(points_of(file("colour.png"), off_[0]), plain);
 }
 
 }  // namespace

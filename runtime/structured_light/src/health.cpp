@@ -106,8 +106,9 @@ void Health::learn(const Frame& frame) {
 }
 
 Health::Solution Health::solve(Sums sum, int dots) const {
-  sum.normal(0, 0) += 1.0 / (options_.wavelength_sigma * options_.wavelength_sigma);
-  sum.normal.diagonal().tail<3>().array() += 1.0;  // a turn of less than a radian: keeps one unseen axis finite
+  Vector4 before;  // information before anything is seen; a turn of less than a radian keeps one unseen axis finite
+  before << 1.0 / (options_.wavelength_sigma * options_.wavelength_sigma), 1.0, 1.0, 1.0;
+  sum.normal.diagonal() += before;
   const Matrix4 inverse = sum.normal.inverse();
   Solution solution;
   solution.change = inverse * sum.right;
@@ -115,8 +116,9 @@ Health::Solution Health::solve(Sums sum, int dots) const {
   // The beams' errors are the same in each frame: over the window they add up, not their squares.
   const double frames = static_cast<double>(frames_.size());
   const double inflation = std::max(1.0, solution.noise * solution.noise);
-  solution.covariance = inverse * (inflation * sum.by_dots + frames * sum.by_beams) * inverse;
-  solution.covariance(0, 0) += 1e-20;
+  Matrix4 of_right = inflation * sum.by_dots + frames * sum.by_beams;
+  of_right.diagonal() += before;
+  solution.covariance = inverse * of_right * inverse;
   const Eigen::Vector3d turn = solution.change.tail<3>();
   const Eigen::Matrix3d of_turn = solution.covariance.bottomRightCorner<3, 3>();
   solution.statistic = turn.dot(of_turn.ldlt().solve(turn));

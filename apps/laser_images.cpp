@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "laser_images.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <opencv2/core.hpp>
+
+#include "image_files.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/io/frame_names.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+using FilesByFrame = std::map<std::string, std::string>;
+
+FilesByFrame by_frame(const std::vector<std::string>& files) {
+  const std::vector<std::string> names = frame_names(files);
+  FilesByFrame found;
+  for (std::size_t i = 0; i < files.size(); ++i) found[names[i]] = files[i];
+  return found;
+}
+
+// The files of `from` without a counterpart in `in`.
+std::vector<std::string> lonely(const FilesByFrame& from, const FilesByFrame& in) {
+  std::vector<std::string> files;
+  for (const auto& [frame, file] : from) {
+    if (!in.contains(frame)) files.push_back(file);
+  }
+  return files;
+}
+
+void require_none(const std::vector<std::string>& lonely, const char* counterpart) {
+  if (lonely.empty()) return;
+  const std::string more = lonely.size() == 1 ? "" : fmt::format(", nor for {} others", lonely.size() - 1);
+  throw Error(ErrorKind::kBadInput,
+              fmt::format("there is no image with the laser {} for this one{}; add it, or leave this one out",
+                          counterpart, more),
+              lonely.front());
+}
+
+cv::Mat read(const std::string& path, const SensorTable& table) {
+  std::string reason;
+  cv::Mat image = read_gray(path, reason);
+  if (image.empty()) throw Error(ErrorKind::kIo, reason.empty() ? "is no image" : reason, path);
+  const ImageSize& size = table.rays.size;
+  if (image.cols != size.width || image.rows != size.height) {
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("is of {}x{} pixels, and camera {} was calibrated with {}x{}", image.cols, image.rows,
+                            table.camera, size.width, size.height),
+                path);
+  }
+  return image;
+}
+
+// Largest value that the images can hold, of those of more than 8 bits.
+double full_scale(const ShotImages& images) {
+  double largest = 0.0;
+  for (const cv::Mat& image : {images.on, images.off}) {
+    if (image.empty() || image.depth() == CV_8U) continue;
+    double most = 0.0;
+    cv::minMaxLoc(image, nullptr, &most);
+    largest = std::max(largest, most);
+  }
+  return largest < 1024.0 ? 1023.0 : largest < 4096.0 ? 4095.0 : 65535.0;
+}
+
+}  // namespace
+
+std::vector<LaserShot> laser_shots(const std::vector<std::string>& on, const std::vector<std::string>& off) {
+  std::vector<LaserShot> shots;
+  for (const std::string& file : on) shots.push_back({file, ""});
+  if (off.empty()) return shots;
+  const FilesByFrame with = by_frame(on), without = by_frame(off);
+  const std::vector<std::string> no_off = lonely(with, without), no_on = lonely(without, with);
+  const bool named_alike = with.size() == on.size() && without.size() == off.size() && no_off.size() < with.size();
+  if (!named_alike && on.size() != off.size()) {
+    throw Error(ErrorKind::kBadInput, fmt::format("there are {} images with the laser on and {} with it off; they have "
+                                                  "to be as many, in the same order",
+                                                  on.size(), off.size()));
+  }
+  if (named_alike) {
+    require_none(no_off, "off");
+    require_none(no_on, "on");
+  }
+  const std::vector<std::string> frames = frame_names(on);
+  for (std::size_t i = 0; i < on.size(); ++i) shots[i].off = named_alike ? without.at(frames[i]) : off[i];
+  return shots;
+}
+
+ShotImages shot_images(const LaserShot& shot, const SensorTable& table) {
+  ShotImages images{read(shot.on, table), shot.off.empty() ? cv::Mat() : read(shot.off, table)};
+  const double full = full_scale(images);
+  for (cv::Mat* image : {&images.on, &images.off}) {
+    if (!image->empty() && image->depth() != CV_8U) image->convertTo(*image, CV_8U, 255.0 / full);
+  }
+  return images;
+}
+
+GreyView view_of(const cv::Mat& image) {
+  if (image.empty()) return {};
+  return {image.ptr<std::uint8_t>(), image.cols, image.rows, static_cast<std::ptrdiff_t>(image.step1())};
+}
+
+}  // namespace raybundle::apps

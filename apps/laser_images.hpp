@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <vector>
+
+#include "raybundle/device/image_view.hpp"
+#include "raybundle/structured_light/sensor_table.hpp"
+
+namespace raybundle::apps {
+
+/// The files of one moment.
+struct LaserShot {
+  std::string on;
+  std::string off;  ///< empty: none
+};
+
+/// Images with the laser on, each with that of the same moment with the laser off: the one of the same digits, as
+/// frames of a data set are matched; in order where the names tell nothing.
+///
+/// @throws Error(kBadInput) naming an image that lacks its counterpart
+std::vector<LaserShot> laser_shots(const std::vector<std::string>& on, const std::vector<std::string>& off);
+
+/// The grey images of a shot, of 8 bits. Images of more bits are scaled alike, by the least number of bits, of 10, 12
+/// and 16, that holds the brightest pixel of both.
+struct ShotImages {
+  cv::Mat on;
+  cv::Mat off;  ///< empty: none
+};
+
+/// @throws Error(kIo) when a file cannot be read, Error(kBadInput) for an image of another size than the table's
+ShotImages shot_images(const LaserShot& shot, const SensorTable& table);
+
+/// As the runtime takes it; an empty image is one without pixels.
+GreyView view_of(const cv::Mat& image);
+
+}  // namespace raybundle::apps
