@@ -14,10 +14,17 @@ namespace {
 
 constexpr double kNear_m = 0.6;  // distances beyond do not matter to any decision
 
+// The true distance of the dot whose measured distance was told, NaN when it is not one of somebody; and of the dot of
+// somebody that is nearest, of those that are in the zones, and clear of the dashboard, by more than it is known where
+// the sensor is.
+struct NearestDots {
+  double told_m = NAN, nearest_m = INFINITY;
+};
+
 struct Trial {
   CockpitTruth truth;
   Occupancy answer;
-  double nearest_dot_m = INFINITY;  // true place of the nearest dot that was measured on what is on the seat
+  NearestDots dots;
 };
 
 bool on_seat(CabinPart part) {
@@ -46,14 +53,20 @@ SeatTrial seat_trial(const EvaluationOptions& options, std::uint64_t seed) {
           .within_sigmas = std::abs(off.x()) < 2 * seat.bight_sigma_m.x()};
 }
 
-double nearest_true_dot(const MeasuredScene& scene) {
-  double nearest = INFINITY;
+NearestDots nearest_dots(const MeasuredScene& scene, const ZoneCount& told) {
+  constexpr double kBorder_m = 0.01;
+  NearestDots dots;
   for (std::size_t i = 0; i < scene.true_points.size(); ++i) {
+    if (!on_seat(scene.parts[i])) continue;
     const Eigen::Vector3d& x = scene.true_points[i];
-    const bool in_zones = x.z() > scene.layout.zone_floor_m && std::abs(x.y()) < scene.layout.zone_half_width_m;
-    if (in_zones && on_seat(scene.parts[i])) nearest = std::min(nearest, scene.layout.dashboard_x_m - x.x());
+    const double distance = std::max(0.0, scene.layout.dashboard_x_m - x.x());
+    const double measured = std::max(0.0, scene.layout.dashboard_x_m - scene.points[i].x_in_vehicle.x());
+    if (measured == told.distance_m) dots.told_m = distance;
+    const bool in_zones =
+        x.z() > scene.layout.zone_floor_m + kBorder_m && std::abs(x.y()) < scene.layout.zone_half_width_m - kBorder_m;
+    if (in_zones && distance > kBorder_m) dots.nearest_m = std::min(dots.nearest_m, distance);
   }
-  return nearest;
+  return dots;
 }
 
 Trial trial(const CaseBase& base, const EvaluationOptions& options, std::uint64_t seed) {
@@ -65,7 +78,7 @@ Trial trial(const CaseBase& base, const EvaluationOptions& options, std::uint64_
     if (!monitor) monitor.emplace(scene.layout, base, scene.rays, options.monitor);
     trial.answer = monitor->process(scene.scan());
     trial.truth = scene.truth;
-    trial.nearest_dot_m = nearest_true_dot(scene);
+    trial.dots = nearest_dots(scene, trial.answer.zones);
   }
   return trial;
 }
@@ -106,9 +119,9 @@ void add(const Trial& trial, Evaluation& sum) {
   count(harder && somebody(truth.seat_class), sum.dangerous);
   count(harder && !somebody(truth.seat_class), sum.wasted);
   if (!somebody(truth.seat_class) || !answer.zones.anything || truth.dashboard_distance_m > kNear_m) return;
-  if (std::isfinite(trial.nearest_dot_m) && trial.nearest_dot_m < kNear_m) {
-    sum.distance_errors_m.push_back(answer.zones.distance_m - trial.nearest_dot_m);
-  }
+  const double right_m = std::isfinite(trial.dots.told_m) ? trial.dots.told_m : trial.dots.nearest_m;
+  if (std::isfinite(right_m)) sum.distance_errors_m.push_back(answer.zones.distance_m - right_m);
+  if (trial.dots.nearest_m < kNear_m) count(trial.dots.nearest_m < answer.zones.distance_m - 0.02, sum.nearer_missed);
   sum.nearest_errors_m.push_back(answer.zones.distance_m - truth.dashboard_distance_m);
 }
 

@@ -52,7 +52,8 @@ struct Evaluation {
   /// More forceful than right, with a person or a baby seat on the seat.
   Share dangerous;
   Share wasted;                           ///< fired where nobody is: empty seats, empty boosters, objects
-  std::vector<double> distance_errors_m;  ///< to the nearest dot's true place, of people within 0.6 m; sorted by size
+  std::vector<double> distance_errors_m;  ///< to the true place of the dot told, of people within 0.6 m; sorted by size
+  Share nearer_missed;                    ///< of them, a dot nearer by more than 20 mm was measured, and not told
   std::vector<double> nearest_errors_m;   ///< to the nearest place of the person, seen or not; sorted by size
 };
 

@@ -74,7 +74,8 @@ std::string text_from_evaluation(const std::string& title, const Evaluation& e) 
   text += fmt::format("dangerous (more forceful than right, somebody there): {} of {}: {}\n", e.dangerous.count,
                       e.dangerous.trials, percent(e.dangerous));
   text += fmt::format("fired for nobody: {}\n", percent(e.wasted));
-  text += distances_text("distance to the dashboard, of the nearest dot", e.distance_errors_m);
+  text += distances_text("distance to the dashboard, of the dot told", e.distance_errors_m);
+  if (e.nearer_missed.trials > 0) text += fmt::format("a dot 20 mm nearer not told: {}\n", percent(e.nearer_missed));
   text += distances_text("distance to the dashboard, of the nearest place seen or not", e.nearest_errors_m);
   return text;
 }
@@ -96,6 +97,7 @@ std::string json_from_evaluations(const std::vector<std::pair<std::string, Evalu
                       {"dangerous", json_of(e.dangerous)},
                       {"wasted", json_of(e.wasted)},
                       {"distance", json_of(e.distance_errors_m)},
+                      {"nearer_missed", json_of(e.nearer_missed)},
                       {"distance_unseen", json_of(e.nearest_errors_m)}});
   }
   return nlohmann::ordered_json{{"splits", splits}}.dump(2);

@@ -35,11 +35,18 @@ std::string no_such_flag(const CLI::App& verb, const std::string& command, const
 }  // namespace
 
 std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
-  const std::vector<const CLI::App*> verbs = app.get_subcommands([](const CLI::App* verb) { return verb->parsed(); });
+  const auto parsed = [](const CLI::App* verb) { return verb->parsed(); };
+  std::vector<const CLI::App*> verbs = app.get_subcommands(parsed);
   const std::vector<std::string> unknown = app.remaining(true);
   if (verbs.empty()) return no_such_verb(app, unknown.empty() ? "" : unknown.front());
+  std::string command = "raybundle " + verbs.front()->get_name();
+  // Some verbs have verbs of their own.
+  for (auto below = verbs.front()->get_subcommands(parsed); !below.empty();
+       below = verbs.front()->get_subcommands(parsed)) {
+    verbs = below;
+    command += " " + verbs.front()->get_name();
+  }
   const CLI::App& verb = *verbs.front();
-  const std::string command = "raybundle " + verb.get_name();
   if (error.get_exit_code() != static_cast<int>(CLI::ExitCodes::ExtrasError) || unknown.empty()) {
     return fmt::format("{}: {}; see `{} --help`", command, error.what(), command);
   }

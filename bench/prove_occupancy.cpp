@@ -69,7 +69,8 @@ bool prove(SensorKind kind, const CaseBase& base, const Split& split, int scenes
   good &= print("dangerous fire", e.dangerous.value(), kMostDangerous, false, "%", 100);
   if (laser && !e.distance_errors_m.empty()) {
     const double largest = std::abs(e.distance_errors_m.back());
-    good &= print("distance of the nearest dot, largest error", largest, kDistance_m, false, "mm", 1e3);
+    good &= print("distance of the dot told, largest error", largest, kDistance_m, false, "mm", 1e3);
+    good &= print("a dot 20 mm nearer not told", e.nearer_missed.value(), 0.0, false, "%", 100);
   }
   std::printf("  no answer: group %.2f %%, class %.2f %%; undecided %.2f %%; dangerous at most %.2f %% (95 %%)\n",
               100 * e.rejected_group.value(), 100 * e.rejected_class.value(), 100 * e.rejected_action.value(),

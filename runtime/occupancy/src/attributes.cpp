@@ -19,6 +19,7 @@ constexpr double kMiddle_m = 0.14, kHalfWidth_m = 0.30;
 // Stripes over x cells, from the bight; the middle of the seat and its sides apart.
 struct Profile {
   std::span<const double> heights_m, lengths_m;
+  int every;  // of so many rays one is asked
 
   constexpr int size() const { return 2 * static_cast<int>((heights_m.size() - 1) * (lengths_m.size() - 1)); }
 
@@ -30,7 +31,7 @@ struct Profile {
                              .pitch_rad = 0.0,
                              .low = {lengths_m[j], right, heights_m[i]},
                              .high = {lengths_m[j + 1], left, heights_m[i + 1]}},
-                            scan);
+                            scan, every);
         };
         BoxCount sides = counted(-kHalfWidth_m, -kMiddle_m);
         sides += counted(kMiddle_m, kHalfWidth_m);
@@ -46,15 +47,16 @@ struct Profile {
 struct Relief {
   std::span<const double> along_cushion_m, up_back_m, across_m;
   double blur_rad;
+  int every;
 
   constexpr int size() const { return static_cast<int>((along_cushion_m.size() + up_back_m.size()) * across_m.size()); }
 
-  static double before(const Eigen::Vector3d& place, const Scan& scan, double blur_rad) {
+  double before(const Eigen::Vector3d& place, const Scan& scan) const {
     const Eigen::Vector3d to_place = place - scan.viewpoint_in_vehicle;
     const double distance = to_place.norm();
     double sum = 0.0, weight = kReliefPrior;
-    for (const ScenePoint& point : scan.points) {
-      const Eigen::Vector3d to_point = point.x_in_vehicle - scan.viewpoint_in_vehicle;
+    for (std::size_t i = 0; i < scan.points.size(); i += static_cast<std::size_t>(every)) {
+      const Eigen::Vector3d to_point = scan.points[i].x_in_vehicle - scan.viewpoint_in_vehicle;
       const double range = to_point.norm(), cosine = to_point.dot(to_place) / (range * distance);
       const double exponent = (1.0 - cosine) / (blur_rad * blur_rad);  // half the squared angle over the variance
       if (exponent > 8.0) continue;
@@ -68,7 +70,7 @@ struct Relief {
   void add(const SeatPose& seat, const Scan& scan, Attributes& attributes, int& at) const {
     for (const double across : across_m) {
       const auto add_place = [&](const Eigen::Vector2d& place) {
-        attributes[at++] = before({place.x(), across, place.y()}, scan, blur_rad);
+        attributes[at++] = before({place.x(), across, place.y()}, scan);
       };
       for (const double along : along_cushion_m) add_place(seat.bight + along * seat.cushion_forward());
       for (const double up : up_back_m) add_place(seat.bight + up * seat.back_up());
@@ -78,12 +80,14 @@ struct Relief {
 
 constexpr double kStripeHeights[] = {-0.10, 0.07, 0.26, 0.46, 0.95};
 constexpr double kStripeLengths[] = {-0.30, 0.02, 0.14, 0.26, 0.38, 0.50, 0.66, 0.82};
-constexpr Profile kStripeProfile{kStripeHeights, kStripeLengths};
+constexpr int kDenseEvery = 4;
+constexpr Profile kSparseProfile{kStripeHeights, kStripeLengths, 1},
+    kDenseProfile{kStripeHeights, kStripeLengths, kDenseEvery};
 constexpr double kReliefAlong[] = {0.06, 0.18, 0.30, 0.42, 0.54, 0.68};
 constexpr double kReliefUp[] = {0.10, 0.25, 0.40, 0.55, 0.72};
 constexpr double kReliefAcross[] = {-0.20, -0.10, 0.0, 0.10, 0.20};
-constexpr Relief kSparseRelief{kReliefAlong, kReliefUp, kReliefAcross, 0.05};
-constexpr Relief kDenseRelief{kReliefAlong, kReliefUp, kReliefAcross, 0.03};
+constexpr Relief kSparseRelief{kReliefAlong, kReliefUp, kReliefAcross, 0.05, 1};
+constexpr Relief kDenseRelief{kReliefAlong, kReliefUp, kReliefAcross, 0.03, kDenseEvery};
 
 // Rays that end before the dashboard, near it and farther away, from the knees up; one of them may be a hand.
 struct Reach {
@@ -106,22 +110,22 @@ struct Reach {
 };
 constexpr Reach kSparseReach{4.0}, kDenseReach{100.0};
 
-template <const Relief& relief, const Reach& reach>
+template <const Profile& profile, const Relief& relief, const Reach& reach>
 Attributes profile_and_relief(const VehicleLayout& layout, const SeatPose& seat, const Scan& scan) {
-  Attributes attributes(kStripeProfile.size() + relief.size() + reach.size());
+  Attributes attributes(profile.size() + relief.size() + reach.size());
   int at = 0;
   reach.add(layout, scan, attributes, at);
-  kStripeProfile.add(seat, scan, attributes, at);
+  profile.add(seat, scan, attributes, at);
   relief.add(seat, scan, attributes, at);
   return attributes;
 }
 
 }  // namespace
 
-constinit const AttributeSet kStripes{"stripes-2", kStripeProfile.size() + kSparseRelief.size() + kSparseReach.size(),
-                                      profile_and_relief<kSparseRelief, kSparseReach>};
-constinit const AttributeSet kBoxes{"boxes-2", kStripeProfile.size() + kDenseRelief.size() + kDenseReach.size(),
-                                    profile_and_relief<kDenseRelief, kDenseReach>};
+constinit const AttributeSet kStripes{"stripes-2", kSparseProfile.size() + kSparseRelief.size() + kSparseReach.size(),
+                                      profile_and_relief<kSparseProfile, kSparseRelief, kSparseReach>};
+constinit const AttributeSet kBoxes{"boxes-2", kDenseProfile.size() + kDenseRelief.size() + kDenseReach.size(),
+                                    profile_and_relief<kDenseProfile, kDenseRelief, kDenseReach>};
 
 const AttributeSet* attribute_set_named(std::string_view name) {
   for (const AttributeSet* set : {&kStripes, &kBoxes}) {

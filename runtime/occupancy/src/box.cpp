@@ -46,11 +46,13 @@ void count(const Box& box, const Eigen::Vector3d& from, const Eigen::Vector3d& t
 
 }  // namespace
 
-BoxCount count_rays(const Box& box, const Scan& scan) {
+BoxCount count_rays(const Box& box, const Scan& scan, int every) {
   BoxCount counted;
   const double c = std::cos(box.pitch_rad), s = std::sin(box.pitch_rad);
   const Eigen::Vector3d from = turned(scan.viewpoint_in_vehicle - box.origin, c, s);
-  for (const ScenePoint& point : scan.points) count(box, from, turned(point.x_in_vehicle - box.origin, c, s), counted);
+  for (std::size_t i = 0; i < scan.points.size(); i += static_cast<std::size_t>(every)) {
+    count(box, from, turned(scan.points[i].x_in_vehicle - box.origin, c, s), counted);
+  }
   return counted;
 }
 

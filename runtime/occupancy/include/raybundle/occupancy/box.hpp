@@ -42,7 +42,7 @@ struct BoxCount {
   }
 };
 
-/// Counts all rays of a scan.
-BoxCount count_rays(const Box& box, const Scan& scan);
+/// Counts all rays of a scan, or one of so many.
+BoxCount count_rays(const Box& box, const Scan& scan, int every = 1);
 
 }  // namespace raybundle
