@@ -37,9 +37,13 @@ struct Judgement {
   double one_fault_W = 0.0;  // with the grating lost
 };
 
+const SafetyEdition& edition_of(const SafetyFlags& flags) {
+  return *std::ranges::find(kSafetyEditions, flags.edition, &SafetyEdition::name);
+}
+
 Judgement judge(const SafetyFlags& flags) {
-  const auto edition = std::ranges::find(kSafetyEditions, flags.edition, &SafetyEdition::name);
-  Judgement judgement{.limit = safety_limit(flags.drive, *edition), .beams = flags.beams};
+  const SafetyEdition& edition = edition_of(flags);
+  Judgement judgement{.limit = safety_limit(flags.drive, edition), .beams = flags.beams};
   if (!flags.calibration.empty()) {
     const CalibrationFile file = read_calibration(flags.calibration);
     if (!file.calibration.laser || file.calibration.laser->beams.empty()) {
@@ -48,7 +52,7 @@ Judgement judge(const SafetyFlags& flags) {
     std::vector<Line3> lines;
     for (const LaserBeam& beam : file.calibration.laser->beams) lines.push_back(beam.line);
     judgement.beams = file.calibration.laser->grid.size();
-    judgement.in_aperture = beams_in_aperture(lines);
+    judgement.in_aperture = beams_in_aperture(lines, edition.distance_m);
   }
   judgement.one_fault_W = judgement.limit.least_W();
   judgement.total_W = judgement.limit.least_W() * judgement.beams / (judgement.in_aperture * flags.brightest);
@@ -57,13 +61,14 @@ Judgement judge(const SafetyFlags& flags) {
 
 void print_text(const SafetyFlags& flags, const Judgement& judgement) {
   const SafetyLimit& limit = judgement.limit;
-  fmt::print("class 1, IEC 60825-1 edition {}, {} nm, pulses of {} µs at {} Hz, 7 mm aperture at 100 mm\n",
-             flags.edition, flags.drive.wavelength_nm, flags.pulse_us, flags.drive.rate_Hz);
+  fmt::print("class 1, IEC 60825-1 edition {}, {} nm, pulses of {} µs at {} Hz, 7 mm aperture at {:.0f} mm\n",
+             flags.edition, flags.drive.wavelength_nm, flags.pulse_us, flags.drive.rate_Hz,
+             1e3 * edition_of(flags).distance_m);
   fmt::print("  a single pulse   {:8.3f} mW during the pulse (C4 {:.3f}, C6 {:.3f})\n", 1e3 * limit.single_pulse_W,
              limit.c4, limit.c6);
   fmt::print("  average power    {:8.3f} mW during the pulse\n", 1e3 * limit.average_W);
-  fmt::print("  train of pulses  {:8.3f} mW during the pulse (C5 {:.3f}, {:.0f} pulses)\n", 1e3 * limit.pulse_train_W,
-             limit.c5, limit.pulses);
+  fmt::print("  train of pulses  {:8.3f} mW during the pulse (C5 {:.3f}, {:.0f} pulses in {:.0f} s)\n",
+             1e3 * limit.pulse_train_W, limit.c5, limit.pulses, limit.exposure_s);
   fmt::print("permissible through the aperture: {:.3f} mW\n", 1e3 * limit.least_W());
   fmt::print(
       "split into {} beams, of which {} at most enter the aperture, the brightest {} times the mean: {:.1f} mW in "
@@ -88,6 +93,7 @@ void print_json(const SafetyFlags& flags, const Judgement& judgement) {
                                 {"c4", limit.c4},
                                 {"c5", limit.c5},
                                 {"c6", limit.c6},
+                                {"exposure_s", limit.exposure_s},
                                 {"beams", judgement.beams},
                                 {"beams_in_aperture", judgement.in_aperture},
                                 {"brightest_over_mean", flags.brightest},
@@ -139,7 +145,7 @@ void add_eye_safety_verb(CLI::App& app) {
       "  class 1, IEC 60825-1 edition 1993, 850 nm, pulses of 1000 µs at 100 Hz, 7 mm aperture at 100 mm\n"
       "    a single pulse      7.854 mW during the pulse (C4 1.995, C6 1.000)\n"
       "    average power       4.417 mW during the pulse\n"
-      "    train of pulses     0.785 mW during the pulse (C5 0.100, 10000 pulses)\n"
+      "    train of pulses     0.785 mW during the pulse (C5 0.100, 10000 pulses in 100 s)\n"
       "  permissible through the aperture: 0.785 mW");
   verb->callback([flags] { run(*flags); });
 }

@@ -12,19 +12,34 @@
 namespace raybundle::apps {
 namespace {
 
-constexpr double kAperture_m = 7e-3, kDistance_m = 0.1;
+constexpr double kAperture_m = 7e-3;
 constexpr double kPoint_mrad = 1.5, kLargest_mrad = 100.0;
 
-double single_pulse_J(double seconds, const SafetyEdition& edition, double c4, double c6) {
-  return (seconds < edition.shortest_s ? edition.shortest_limit_J : 7e-4 * std::pow(seconds, 0.75)) * c4 * c6;
+// The largest size that counts, of an exposure of this length.
+double largest_mrad(const SafetyEdition& edition, double seconds) {
+  if (!edition.later_c5 || seconds > 0.25) return kLargest_mrad;
+  return seconds < 625e-6 ? 5.0 : 200.0 * std::sqrt(seconds);
 }
 
-// Pulses of a train, of sources that are larger than a point; edition 2014: 0.4 and 0.2 at the least.
+double c6_of(const LaserDrive& drive, const SafetyEdition& edition, double seconds) {
+  return std::clamp(drive.source_mrad, kPoint_mrad, largest_mrad(edition, seconds)) / kPoint_mrad;
+}
+
+// T2, or the time base.
+double exposure_of(const LaserDrive& drive, const SafetyEdition& edition) {
+  if (!edition.exposure_by_size) return 100.0;
+  const double beyond_point = std::clamp(drive.source_mrad, kPoint_mrad, kLargest_mrad) - kPoint_mrad;
+  return 10.0 * std::pow(10.0, beyond_point / (kLargest_mrad - kPoint_mrad));
+}
+
+// How much less a pulse may have for being one of many.
 double c5_of(const LaserDrive& drive, const SafetyEdition& edition, double pulses) {
-  const double c5 = std::min(1.0, std::pow(pulses, -0.25));
-  if (edition.small_sources_count) return c5;
-  if (drive.source_mrad <= 5.0) return 1.0;
-  return std::max(c5, drive.source_mrad <= kLargest_mrad ? 0.4 : 0.2);
+  const double by_number = std::min(1.0, std::pow(pulses, -0.25));
+  if (drive.pulse_s > 0.25) return 1.0;
+  if (!edition.later_c5) return by_number;
+  if (drive.pulse_s <= edition.shortest_s) return pulses <= 600.0 ? 1.0 : std::max(0.4, 5.0 * by_number);
+  if (drive.source_mrad <= 5.0 || drive.source_mrad > kLargest_mrad) return 1.0;
+  return std::max(by_number, drive.source_mrad <= largest_mrad(edition, drive.pulse_s) ? 0.4 : 0.2);
 }
 
 Eigen::Vector3d common_point(const std::vector<Line3>& beams) {
@@ -51,26 +66,31 @@ SafetyLimit safety_limit(const LaserDrive& drive, const SafetyEdition& edition) 
   require(drive.pulse_s >= 1e-9 && drive.pulse_s <= 10.0, "a pulse must last from 1 ns to 10 s");
   require(drive.rate_Hz > 0.0 && drive.pulse_s * drive.rate_Hz <= 1.0, "pulses must not overlap: lower the rate");
   require(drive.source_mrad > 0.0, "the source's size must be positive");
+  require(drive.rate_Hz * edition.shortest_s <= 1.0,
+          "pulses this close together count as groups, which these formulas leave out: lower the rate");
   SafetyLimit limit;
   limit.c4 = std::pow(10.0, 0.002 * (drive.wavelength_nm - 700.0));
-  limit.c6 = std::clamp(drive.source_mrad, kPoint_mrad, kLargest_mrad) / kPoint_mrad;
-  limit.pulses = std::max(1.0, drive.rate_Hz * edition.longest_pulses_s);
+  limit.c6 = c6_of(drive, edition, drive.pulse_s);
+  limit.exposure_s = exposure_of(drive, edition);
+  limit.pulses = std::max(1.0, drive.rate_Hz * limit.exposure_s);
   limit.c5 = c5_of(drive, edition, limit.pulses);
-  const double single_J = single_pulse_J(drive.pulse_s, edition, limit.c4, limit.c6);
-  limit.single_pulse_W = single_J / drive.pulse_s;
+  const bool shortest = drive.pulse_s < edition.shortest_s;
+  const double single_J = shortest ? edition.shortest_limit_J : 7e-4 * std::pow(drive.pulse_s, 0.75);
+  limit.single_pulse_W = single_J * limit.c4 * limit.c6 / drive.pulse_s;
   limit.pulse_train_W = limit.c5 * limit.single_pulse_W;
-  const double exposure_s = edition.longest_pulses_s;
-  const double mean_W = 7e-4 * std::pow(exposure_s, 0.75) * limit.c4 * limit.c6 / exposure_s;
+  const bool point = edition.exposure_by_size && drive.source_mrad <= kPoint_mrad;
+  const double plain_W = point ? 3.9e-4 : 7e-4 * std::pow(limit.exposure_s, -0.25);  // the tables round that of a point
+  const double mean_W = plain_W * limit.c4 * c6_of(drive, edition, limit.exposure_s);
   limit.average_W = mean_W / (drive.pulse_s * drive.rate_Hz);
   return limit;
 }
 
-int beams_in_aperture(const std::vector<Line3>& beams) {
+int beams_in_aperture(const std::vector<Line3>& beams, double distance_m) {
   const Eigen::Vector3d source = common_point(beams);
   std::vector<Eigen::Vector3d> places;  // on a sphere about the source
   for (const Line3& beam : beams) {
     const Eigen::Vector3d foot = beam.at((source - beam.point).dot(beam.direction));
-    places.push_back((foot - source + kDistance_m * beam.direction).normalized() * kDistance_m);
+    places.push_back((foot - source + distance_m * beam.direction).normalized() * distance_m);
   }
   // Of all discs with the most points, one has two of them on its rim or one in its middle.
   constexpr double kRadius_m = 0.5 * kAperture_m;

@@ -50,11 +50,32 @@ TEST(EyeSafety, NeverAllowsMoreThanItsAverageAndASinglePulse) {
   EXPECT_THROW(safety_limit({.pulse_s = 0.1, .rate_Hz = 20}, kSafetyEditions[0]), Error);
 }
 
+// Worked by hand from the tables of the 2014 edition.
+TEST(EyeSafety, CountsSizeAndNumberByTheLaterEdition) {
+  const apps::SafetyEdition& later = kSafetyEditions[2];
+  const auto limit = [&](double pulse_s, double rate_Hz, double source_mrad) {
+    return safety_limit({.wavelength_nm = 850, .pulse_s = pulse_s, .rate_Hz = rate_Hz, .source_mrad = source_mrad},
+                        later);
+  };
+  EXPECT_NEAR(limit(1e-3, 100, 50).c6, 200 * std::sqrt(1e-3) / 1.5, 1e-12);  // 6.3 mrad count of a pulse of 1 ms
+  EXPECT_NEAR(limit(1e-4, 100, 50).c6, 5 / 1.5, 1e-12);
+  EXPECT_EQ(limit(1e-3, 100, 1.5).c5, 1.0);                                 // small
+  EXPECT_EQ(limit(1e-3, 100, 6).c5, 0.4);                                   // of a size that counts
+  EXPECT_EQ(limit(1e-3, 100, 50).c5, 0.2);                                  // larger
+  EXPECT_NEAR(limit(1e-6, 100, 1.5).c5, 5 * std::pow(1000, -0.25), 1e-12);  // short: 1000 pulses in 10 s
+  EXPECT_EQ(limit(1e-6, 50, 1.5).c5, 1.0);                                  // 500
+  EXPECT_NEAR(limit(1e-3, 100, 100).exposure_s, 100, 1e-9);                 // T2
+  EXPECT_NEAR(limit(1e-3, 100, 1.5).exposure_s, 10, 1e-12);
+  // 3.9e-4 C4 W of mean power for a point, at a duty of a tenth.
+  EXPECT_NEAR(limit(1e-3, 100, 1.5).average_W, 10 * 3.9e-4 * std::pow(10, 0.3), 1e-12);
+  EXPECT_THROW(limit(1e-7, 1e6, 1.5), Error);  // groups of pulses
+}
+
 TEST(EyeSafety, CountsBeamsThatEnterAnApertureTogether) {
   const auto beam = [](double angle) { return Line3{Eigen::Vector3d::Zero(), {std::sin(angle), 0, std::cos(angle)}}; };
-  EXPECT_EQ(apps::beams_in_aperture({beam(0.0), beam(0.15), beam(0.3)}), 1);
-  EXPECT_EQ(apps::beams_in_aperture({beam(0.0), beam(0.06), beam(0.3)}), 2);  // 6 mm apart at 100 mm
-  EXPECT_EQ(apps::beams_in_aperture({beam(0.0), beam(0.03), beam(0.06), beam(0.09)}), 3);
+  EXPECT_EQ(apps::beams_in_aperture({beam(0.0), beam(0.15), beam(0.3)}, 0.1), 1);
+  EXPECT_EQ(apps::beams_in_aperture({beam(0.0), beam(0.06), beam(0.3)}, 0.1), 2);  // 6 mm apart at 100 mm
+  EXPECT_EQ(apps::beams_in_aperture({beam(0.0), beam(0.03), beam(0.06), beam(0.09)}, 0.1), 3);
 }
 
 TEST(EyeSafety, JudgesAPowerByItsExitCode) {
