@@ -65,15 +65,23 @@ class Reconstruction {
     if (frame.state != State::kOk) {
       say_warning(fmt::format("{}: only {:.1f} % of what both cameras show was matched", name,
                               100.0 * frame.disparity.matched / std::max(1, setup_.matcher.covered())));
+      ++missed_;
     }
     ++taken_;
   }
 
   void finish() const {
     if (taken_ == 0) throw Error(ErrorKind::kNotEnoughData, "there was no pair of images to reconstruct from");
-    if (flags_.json) return;
-    fmt::print("\nwrote {}: rectified pair, disparity, depth, PLY and JSON for each of {} pairs\n", flags_.output,
-               taken_);
+    if (!flags_.json) {
+      fmt::print("\nwrote {}: rectified pair, disparity, depth, PLY and JSON for each of {} pairs\n", flags_.output,
+                 taken_);
+    }
+    if (missed_ == 0) return;
+    say_warning(fmt::format(
+        "{} of {} pairs missed the gate of {:g} % matched: are both images of one moment, left and right not "
+        "exchanged, and the cameras where they were when they were calibrated?",
+        missed_, taken_, flags_.stereo.least_matched_percent));
+    throw GateFailed{};
   }
 
  private:
@@ -97,6 +105,7 @@ class Reconstruction {
   const Flags& flags_;
   StereoSetup setup_;
   int taken_ = 0;
+  int missed_ = 0;  // of the gate
 };
 
 std::vector<ImageFile> files_of(int camera, const std::string& pattern) {
@@ -123,7 +132,11 @@ void take_videos(const std::string& left, const std::string& right, Reconstructi
     return true;
   };
   cv::Mat left_image, right_image;
-  for (int frame = 0; grey(left_video, left_image) && grey(right_video, right_image); ++frame) {
+  for (int frame = 0;; ++frame) {
+    const bool in_left = grey(left_video, left_image);
+    const bool in_right = grey(right_video, right_image);
+    if (in_left != in_right) say_warning(fmt::format("{} ends first, after {} frames", in_left ? right : left, frame));
+    if (!in_left || !in_right) return;
     reconstruction.take(fmt::format("{:06}", frame), left_image, right_image, left, right);
   }
 }
@@ -175,6 +188,7 @@ void add_stereo_reconstruction(CLI::App& reconstruct) {
   verb->add_flag("--json", flags->json, "print the results as JSON, one after the other");
   verb->footer(
       "Images of a moment have the same number in their names. What is written: docs/formats/stereo.md\n"
+      "Exit code 1 when a pair misses the gate of --least-matched.\n"
       "Example:\n"
       "  raybundle reconstruct stereo out/calibration.json 'left*.jpg' 'right*.jpg' -o points");
   verb->callback([flags] { run(*flags); });

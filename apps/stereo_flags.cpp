@@ -16,11 +16,17 @@ namespace {
 
 constexpr double kDegree = M_PI / 180.0;
 constexpr double kNearBaselines = 4.0;  // what is nearer is rarely of interest to a pair, and costs time
-constexpr int kMostDisparities = 256;
+constexpr int kMostDisparities = 1000;
 
 // The disparity at the middle of the image of a point at a distance.
 double disparity_at(const Rectification& pair, double distance_m) {
   return disparity_from_distance(pair.camera, pair.baseline_m, pair.camera.centre_px.x(), distance_m);
+}
+
+std::vector<std::string> cost_names() {
+  std::vector<std::string> names;
+  for (const MatchCost cost : kMatchCosts) names.emplace_back(match_cost_name(cost));
+  return names;
 }
 
 }  // namespace
@@ -84,11 +90,26 @@ void declare_stereo_flags(CLI::App& verb, StereoFlags& flags) {
   verb.add_option("--disparities", flags.disparities, "how many to search instead [px]")
       ->check(CLI::Range(1, kMostDisparities));
   verb.add_option("--least-disparity", flags.least_disparity, "where to begin [px]")->check(CLI::Range(0, 1 << 14));
+  verb.add_option("--cost", flags.cost, "how unlike windows are: census, ssd or zncc")
+      ->transform(CLI::IsMember(cost_names()))
+      ->capture_default_str();
+  verb.add_option("--window", flags.window_px, "side of the square that costs are averaged over, odd [px]")
+      ->check(CLI::Range(1, 15))
+      ->capture_default_str();
+  verb.add_option("--paths", flags.paths, "that costs are gathered along: 3, 4 (slower), or 0")
+      ->check(CLI::IsMember({0, 3, 4}))
+      ->capture_default_str();
+  verb.add_option("--coarse", flags.coarse_levels, "halved sizes to begin with; beyond 250 disparities unless said")
+      ->check(CLI::Range(0, 6));
   verb.add_option("--uniqueness", flags.uniqueness, "how much better than the second best a match must be")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   verb.add_option("--least-region", flags.least_region_px, "regions with fewer pixels are left out")
       ->check(CLI::Range(0, 1 << 24))
+      ->capture_default_str();
+  verb.add_option("--least-matched", flags.least_matched_percent,
+                  "gate for each pair: share of what both cameras show that is matched [%]")
+      ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
 }
 
@@ -100,10 +121,16 @@ StereoSetup stereo_setup(const std::string& calibration_path, const StereoFlags&
   options.match.uniqueness = flags.uniqueness;
   options.match.least_region_px = flags.least_region_px;
   options.match.least_disparity = flags.least_disparity;
+  options.match.cost = match_cost_named(flags.cost).value_or(options.match.cost);
+  options.match.window_px = flags.window_px;
+  options.match.paths = flags.paths;
+  options.least_matched = flags.least_matched_percent / 100.0;
   const Rectification pair = rectify(left, right, options.rectify);
   const double near_m = flags.near_m > 0 ? flags.near_m : kNearBaselines * pair.baseline_m;
   const int wanted = static_cast<int>(std::ceil(disparity_at(pair, near_m))) + 2 - flags.least_disparity;
   options.match.disparities = flags.disparities > 0 ? flags.disparities : std::clamp(wanted, 1, kMostDisparities);
+  options.match.coarse_levels =
+      flags.coarse_levels >= 0 ? flags.coarse_levels : coarse_levels_for(options.match.disparities);
   StereoSetup setup{left, right, StereoMatcher(file.calibration, left.name, right.name, options), {}};
   setup.said.push_back(rectification_text(pair));
   const int last = options.match.least_disparity + options.match.disparities - 1;

@@ -34,7 +34,11 @@ struct StereoFlags {
   RectifyFlags rectify;
   double near_m = 0.0;
   int disparities = 0, least_disparity = 0, least_region_px = MatchOptions{}.least_region_px;
+  int window_px = MatchOptions{}.window_px, paths = MatchOptions{}.paths;
+  int coarse_levels = -1;  // as many as the search needs
+  std::string cost{match_cost_name(MatchOptions{}.cost)};
   double uniqueness = MatchOptions{}.uniqueness;
+  double least_matched_percent = 100.0 * StereoOptions{}.least_matched;
 };
 void declare_stereo_flags(CLI::App& verb, StereoFlags& flags);
 

@@ -119,6 +119,25 @@ TEST(ReconstructStereo, WritesWhatItSaysForARealFisheyePair) {
   EXPECT_LE(cv::countNonZero(depth), json.at("points").get<int>());
 }
 
+// Images of two rooms: what little matches is chance, and the gate has to say so.
+TEST(ReconstructStereo, FailsTheGateForImagesThatHaveNothingInCommon) {
+  RAYBUNDLE_NEEDS_DATA("opencv_stereo_chess");
+  RAYBUNDLE_NEEDS_DATA("boofcv_stereo/Bumblebee2_Chess");
+  const fs::path folder = fresh_folder();
+  const std::string images = real_data("opencv_stereo_chess").string() + "/";
+  const std::string other = real_data("boofcv_stereo/Bumblebee2_Chess").string() + "/right01.jpg";
+  calibrate(folder, {"--target", "chessboard:9x6:25mm", "--camera", "left=" + images + "left0?.jpg", "--camera",
+                     "right=" + images + "right0?.jpg", "--model", "brown_conrady"});
+  const auto run = [&](const std::string& right, const std::string& out) {
+    return raybundle_program({"reconstruct", "stereo", (folder / "out" / "calibration.json").string(),
+                              images + "left01.jpg", right, "-o", (folder / out).string()});
+  };
+  EXPECT_EQ(run(images + "right01.jpg", "related").exit_code, 0);
+  const ProgramRun unrelated = run(other, "unrelated");
+  EXPECT_EQ(unrelated.exit_code, 1);
+  EXPECT_NE(unrelated.err.find("of one moment"), std::string::npos) << unrelated.err;
+}
+
 TEST(ReconstructStereo, SaysWhatIsWrong) {
   const fs::path folder = fresh_folder();
   const ProgramRun missing =

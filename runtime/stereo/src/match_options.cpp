@@ -33,7 +33,7 @@ std::optional<MatchCost> match_cost_named(std::string_view name) {
 
 int coarse_levels_for(int disparities) {
   int levels = 0;
-  while (disparities >> levels > 128) ++levels;
+  while (disparities >> levels > 250) ++levels;
   return levels;
 }
 

@@ -51,14 +51,15 @@ struct MatchOptions {
 
   double uniqueness =
       0.12;  ///< least lead over the second best that is not beside the best, as a share of the largest sum
-  double strength = 1.0;     ///< largest cost of a match, as a share of the largest cost there is
-  double peak = 0.0;         ///< least rise of the cost to the lower neighbour, as a share of the largest cost there is
-  int left_right_px = 1;     ///< most disagreement of both directions; negative: not checked
-  int least_region_px = 40;  ///< regions of smooth disparity with fewer pixels are left out; 0 keeps all
+  double strength = 1.0;  ///< largest cost of a match, as a share of the largest cost there is
+  double peak = 0.0;      ///< least rise of the cost to the lower neighbour, as a share of the largest cost there is
+  int left_right_px = 1;  ///< most disagreement of both directions; negative: not checked
+  int least_region_px = 100;  ///< regions of smooth disparity with fewer pixels are left out; 0 keeps all
   Simd simd = best_simd();
 };
 
-/// Coarse levels that make a search of so many disparities fast: none up to 128.
+/// Coarse levels that make a search of so many disparities fast: none up to 250, which can be searched as a whole and
+/// then are told apart best.
 int coarse_levels_for(int disparities);
 
 }  // namespace raybundle
