@@ -30,13 +30,12 @@ OccupancyMonitor::OccupancyMonitor(const VehicleLayout& layout, CaseBase base, i
   }
   range_m_.resize(static_cast<std::size_t>(rays), NAN);
   last_range_m_ = range_m_;
-  last_actions_.reserve(static_cast<std::size_t>(options.calm_frames));
   restart();
 }
 
 void OccupancyMonitor::restart() {
   first_ = true;
-  last_actions_.clear();
+  last_actions_.assign(static_cast<std::size_t>(options_.calm_frames) - 1, AirbagAction::kUndecided);
 }
 
 Occupancy OccupancyMonitor::process(const Scan& scan) {
@@ -118,10 +117,10 @@ AirbagAction OccupancyMonitor::action_of(const Occupancy& now) const {
 AirbagAction OccupancyMonitor::calmed(AirbagAction now) {
   AirbagAction least = now;
   for (const AirbagAction before : last_actions_) least = std::min(least, before);
-  if (static_cast<int>(last_actions_.size()) + 1 >= options_.calm_frames && !last_actions_.empty()) {
-    last_actions_.erase(last_actions_.begin());
+  if (!last_actions_.empty()) {
+    std::ranges::rotate(last_actions_, last_actions_.begin() + 1);
+    last_actions_.back() = now;
   }
-  if (options_.calm_frames > 1) last_actions_.push_back(now);
   return now == AirbagAction::kNoFire ? now : least;
 }
 
