@@ -19,6 +19,7 @@
 #include "reconstruct.hpp"
 #include "stereo_flags.hpp"
 #include "stereo_frame_files.hpp"
+#include "stereo_page.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 
@@ -60,6 +61,7 @@ class Reconstruction {
                            {folder / (name + "_depth.png"), files.depth_png},
                            {folder / (name + ".ply"), files.ply},
                            {folder / (name + ".json"), files.json}});
+    if (std::ssize(page_) < kMostPageFrames) page_.push_back(stereo_page_frame(name, frame));
     flags_.json ? static_cast<void>(fmt::print("{}", files.json)) : print_row(name, frame);
     std::fflush(stdout);
     if (frame.state != State::kOk) {
@@ -72,9 +74,11 @@ class Reconstruction {
 
   void finish() const {
     if (taken_ == 0) throw Error(ErrorKind::kNotEnoughData, "there was no pair of images to reconstruct from");
+    const fs::path page = fs::path(flags_.output) / "stereo.html";
+    write_results(flags_.output, {{page, stereo_page(page_)}});
     if (!flags_.json) {
-      fmt::print("\nwrote {}: rectified pair, disparity, depth, PLY and JSON for each of {} pairs\n", flags_.output,
-                 taken_);
+      fmt::print("\nwrote {}: rectified pair, disparity, depth, PLY and JSON for each of {} pairs\nlook  {}\n",
+                 flags_.output, taken_, page.string());
     }
     if (missed_ == 0) return;
     say_warning(fmt::format(
@@ -104,6 +108,7 @@ class Reconstruction {
 
   const Flags& flags_;
   StereoSetup setup_;
+  nlohmann::json page_ = nlohmann::json::array();
   int taken_ = 0;
   int missed_ = 0;  // of the gate
 };

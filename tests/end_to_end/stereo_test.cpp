@@ -9,6 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <set>
 
+#include "browser.hpp"
 #include "program.hpp"
 #include "raybundle/geometry/quantile.hpp"
 #include "raybundle/io/calibration_file.hpp"
@@ -136,6 +137,30 @@ TEST(ReconstructStereo, FailsTheGateForImagesThatHaveNothingInCommon) {
   const ProgramRun unrelated = run(other, "unrelated");
   EXPECT_EQ(unrelated.exit_code, 1);
   EXPECT_NE(unrelated.err.find("of one moment"), std::string::npos) << unrelated.err;
+}
+
+TEST(ReconstructStereo, ShowsASequenceInABrowser) {
+  RAYBUNDLE_NEEDS_DATA("opencv_stereo_chess");
+  if (browser_name().empty()) GTEST_SKIP() << "there is no Chromium on this machine";
+  const fs::path folder = fresh_folder();
+  const std::string images = real_data("opencv_stereo_chess").string() + "/";
+  calibrate(folder, {"--target", "chessboard:9x6:25mm", "--camera", "left=" + images + "left0?.jpg", "--camera",
+                     "right=" + images + "right0?.jpg", "--model", "brown_conrady"});
+  const ProgramRun run = raybundle_program({"reconstruct", "stereo", (folder / "out" / "calibration.json").string(),
+                                            images + "left0[1-3].jpg", images + "right0[1-3].jpg", "-o",
+                                            (folder / "points").string(), "--width", "320"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  Browser browser(folder / "profile");
+  browser.open(folder / "points" / "stereo.html");
+  EXPECT_EQ(browser.evaluate("frames.length"), 3);
+  EXPECT_EQ(browser.evaluate("document.getElementById('disparity').naturalWidth"), 320);
+  const std::string lit =
+      "context.getImageData(0, 0, canvas.width, canvas.height).data.reduce((n, x, i) => n + (i % 4 === 3 && x > 0), 0)";
+  EXPECT_GT(browser.evaluate(lit).get<int>(), 1000);  // points are drawn
+  browser.evaluate("step(1)");
+  EXPECT_EQ(browser.evaluate("document.getElementById('words').textContent.slice(0, 2)"), "2:");
+  EXPECT_EQ(browser.requests.size(), 1U);  // nothing from a network
+  EXPECT_TRUE(browser.errors.empty()) << browser.errors.front();
 }
 
 TEST(ReconstructStereo, SaysWhatIsWrong) {
