@@ -34,7 +34,11 @@ Links nearest_links(const std::vector<SaddleCandidate>& candidates, const cv::Ma
   for (int i = 0; i < n; ++i) {
     for (int j = i + 1; j < n; ++j) {
       const Eigen::Vector2f way = candidates[j].pixel - candidates[i].pixel;
-      const float distance = way.norm();
+      // Most pairs end here; the other two rays look the opposite way.
+      const float squared = way.squaredNorm(), along_a = candidates[i].rays[0].dot(way);
+      const float along_b = candidates[i].rays[1].dot(way);
+      if (std::max(along_a * along_a, along_b * along_b) < kAlong * kAlong * squared) continue;
+      const float distance = std::sqrt(squared);
       if (distance < 2.5F || distance > longest) continue;
       const float least = kAlong * distance;
       for (int ray = 0; ray < 4; ++ray) {

@@ -23,6 +23,7 @@ struct Shape {
   double half_px = 0;  // the shortest half-width
   SaddleBends bends;
   const Saddle* known = nullptr;  // an earlier fit
+  bool doubtful = false;          // as SaddleWindow
 };
 
 void take_samples(const cv::Mat& gray, const Eigen::Vector2d& centre, const Shape& shape, SaddleSamples& samples) {
@@ -105,14 +106,15 @@ Saddle saddle_of(const SaddleFit& fit, const Eigen::Vector2d& start, int samples
   return saddle;
 }
 
-/// Both bright sectors are brighter than both dark ones, by a good part of the contrast: at the outer corner of a dark
-/// square three sectors are bright, and a fit alone can make up for that.
-bool sectors_alternate(const SaddleSamples& samples, const SaddleVector& parameters, double blur) {
-  constexpr double kLeastPart = 0.35;
+/// By how much the darker bright sector is brighter than the brighter dark one, as a part of the contrast; negative
+/// when the sectors do not alternate.
+///
+/// @param margin_px  samples nearer to an edge count less
+double alternation(const SaddleSamples& samples, const SaddleVector& parameters, double margin_px) {
   float sum[4] = {0, 0, 0, 0}, weight[4] = {1e-9F, 1e-9F, 1e-9F, 1e-9F};
   const Edges edges(parameters);
   const Eigen::Vector2f corner = parameters.head<2>().cast<float>();
-  const float sharp = static_cast<float>(1 / blur);
+  const float sharp = static_cast<float>(1 / margin_px);
   for (int i = 0; i < samples.size; ++i) {
     const float x = samples.x[i] - corner.x(), y = samples.y[i] - corner.y();
     const float side_a = edges.beside_a(x, y), side_b = edges.beside_b(x, y);
@@ -129,7 +131,13 @@ bool sectors_alternate(const SaddleSamples& samples, const SaddleVector& paramet
   for (const double d : dark) {
     for (const double b : bright) least = std::min(least, sign * (b - d));
   }
-  return least > kLeastPart * 0.5 * sign * (bright[0] + bright[1] - dark[0] - dark[1]);
+  return least / std::max(1e-6, 0.5 * sign * (bright[0] + bright[1] - dark[0] - dark[1]));
+}
+
+/// Where a fit is worth its time. Most fits fail, beyond the board's rim, and take longest: a corner that is as far off
+/// as it may be still has sectors that alternate.
+bool worth_a_fit(const SaddleSamples& samples, const SaddleVector& parameters, double half_px) {
+  return alternation(samples, parameters, 0.3 * half_px) > 0;
 }
 
 bool convincing(const Saddle& saddle, const Eigen::Vector2d& start, const Shape& shape) {
@@ -168,7 +176,10 @@ std::optional<Saddle> fitted(const cv::Mat& gray, const Eigen::Vector2d& start, 
   for (int round = 0;; ++round) {
     take_samples(gray, centre, shape, samples);
     if (samples.size < 16) return std::nullopt;
-    if (round == 0) set_levels(samples, parameters);
+    if (round == 0) {
+      set_levels(samples, parameters);
+      if (shape.doubtful && !worth_a_fit(samples, parameters, shape.half_px)) return std::nullopt;
+    }
     SaddlePriors priors;
     const auto expect = [&](int which, double mean, double sigma) {
       priors.mean[which] = mean;
@@ -181,15 +192,16 @@ std::optional<Saddle> fitted(const cv::Mat& gray, const Eigen::Vector2d& start, 
     expect(kTone, 0, 0.5 * amplitude);
     expect(kShadeX, 0, 0.3 * amplitude / shape.half_px);
     expect(kShadeY, 0, 0.3 * amplitude / shape.half_px);
-    const SaddleFit fit = minimise_saddle(work, parameters, priors, shape.bends);
+    const SaddleFit fit = minimise_saddle(work, parameters, priors, shape.bends, shape.window_from_pixel);
     const Eigen::Vector2d moved = fit.parameters.head<2>();
     if (!moved.allFinite()) return std::nullopt;
     const Saddle saddle = saddle_of(fit, centre, samples.size);
     if (round >= 2 || (shape.window_from_pixel * moved).cwiseAbs().maxCoeff() < 0.05) {
-      if (!convincing(saddle, start, shape) || !sectors_alternate(samples, fit.parameters, saddle.blur_px)) {
-        return std::nullopt;
-      }
-      return saddle;
+      // At the outer corner of a dark square three sectors are bright, and a fit alone can make up for that.
+      constexpr double kLeastAlternation = 0.35;
+      const bool good =
+          convincing(saddle, start, shape) && alternation(samples, fit.parameters, saddle.blur_px) > kLeastAlternation;
+      return good ? std::optional(saddle) : std::nullopt;
     }
     if ((shape.window_from_pixel * (saddle.pixel - start)).cwiseAbs().maxCoeff() > 1) return std::nullopt;
     centre = saddle.pixel;
@@ -237,6 +249,7 @@ std::optional<Saddle> refine_saddle(const cv::Mat& gray, const Eigen::Vector2d& 
     shape.half_px = std::min({length_x, length_y, longest});
     shape.bends = {window.bend_x, window.bend_y};
     shape.known = window.known;
+    shape.doubtful = window.doubtful;
     const double angle_x = std::atan2(window.half_x.y(), window.half_x.x());
     const double angle_y = std::atan2(window.half_y.y(), window.half_y.x());
     return fitted(gray, from, shape, angle_x, angle_y, 0.2);

@@ -30,6 +30,7 @@ struct SaddleWindow {
   /// [px] half-sides are cut to this: larger windows cost time and bring the lens's curvature, not accuracy
   double longest_half = 11.0;
   const Saddle* known = nullptr;  ///< an earlier fit of this corner: where to start
+  bool doubtful = false;          ///< perhaps there is no corner at all: look before fitting
 };
 
 /// Refines a saddle near `start`, or finds that there is none.

@@ -76,8 +76,9 @@ double position_variance(const SaddleWork& work, const SaddleMatrix& information
 }  // namespace
 
 SaddleFit minimise_saddle(SaddleWork& work, const SaddleVector& start, const SaddlePriors& priors,
-                          const SaddleBends& bends) {
+                          const SaddleBends& bends, const Eigen::Matrix2d& window_from_pixel) {
   State best = evaluated(work, start, priors, bends);
+  constexpr double kFarthest = 1.5;  // half-windows: a step may overshoot
   double damping = 1e-3;
   for (int iteration = 0; iteration < 15; ++iteration) {
     SaddleVector step = Factor(best.information, damping).solve(best.gradient);
@@ -88,7 +89,7 @@ SaddleFit minimise_saddle(SaddleWork& work, const SaddleVector& start, const Sad
     const bool better = next.cost < best.cost;
     const bool settled = best.cost - next.cost < 1e-3 * best.cost && move < 4e-3;
     if (better) best = next;
-    if (settled) break;
+    if (settled || (window_from_pixel * best.parameters.head<2>()).cwiseAbs().maxCoeff() > kFarthest) break;
     damping = better ? 0.2 * damping : 10 * damping;
     if (damping > 1e4) break;
   }

@@ -26,8 +26,10 @@ struct SaddleWork {
   SaddleRows rows;
 };
 
-/// Least squares from `start`, Levenberg-Marquardt.
+/// Least squares from `start`, Levenberg-Marquardt. Given up where the corner has left the window for good.
+///
+/// @param window_from_pixel  to where the window spans [-1, 1]²
 SaddleFit minimise_saddle(SaddleWork& work, const SaddleVector& start, const SaddlePriors& priors,
-                          const SaddleBends& bends);
+                          const SaddleBends& bends, const Eigen::Matrix2d& window_from_pixel);
 
 }  // namespace raybundle
