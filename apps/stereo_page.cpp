@@ -140,7 +140,7 @@ nlohmann::json stereo_page_frame(const std::string& name, const StereoFrame& fra
       places[2].push_back(point.z_m);
     }
   }
-  const auto middle = [](const std::vector<double>& values) { return values.empty() ? 1.0 : median(values); };
+  const auto middle = [](std::vector<double>& values) { return values.empty() ? 1.0 : median(values); };
   return {{"name", name},
           {"state", state_name(frame.state)},
           {"matched", frame.disparity.matched},
