@@ -15,7 +15,6 @@
 namespace raybundle {
 namespace {
 
-constexpr std::size_t kFewestRollingViews = 2;  // one may be anything
 constexpr std::size_t kNamedViews = 6;
 constexpr double kApartByChance = 0.1;  // of the frames: a board that was moved once, not cameras out of step
 constexpr double kWorthTelling = 0.7;   // of the frames: above, repetition makes sigmas too small by less than a fifth
@@ -42,22 +41,20 @@ double median_of(const std::vector<RowTiming>& timings, Member member) {
 }  // namespace
 
 std::optional<Finding> shutter_finding(const CalibrationProblem& problem, const CalibrationResult& result, int camera) {
-  std::vector<RowTiming> rolling = row_timings(problem, result, camera);
-  const std::size_t told = rolling.size();
-  if (told == 0) return std::nullopt;
-  std::erase_if(rolling, [](const RowTiming& timing) { return !timing.rolling; });
+  std::vector<RowTiming> timings = row_timings(problem, result, camera);
+  if (timings.empty()) return std::nullopt;
   const std::string& name = problem.cameras[camera].name;
-  if (rolling.size() < kFewestRollingViews) {
-    return Finding{name, "shutter", true, fmt::format("no sign of a rolling shutter in {} views", told), {}};
+  if (!is_rolling(timings)) {
+    return Finding{name, "shutter", true, fmt::format("no sign of a rolling shutter in {} views", timings.size()), {}};
   }
+  std::erase_if(timings, [](const RowTiming& timing) { return !timing.rows; });
   return Finding{
       name, "shutter", false,
       fmt::format("the views of frames {} fit to {:.2f} px instead of {:.2f} when each row of the image has a "
-                  "time of its own, while anything else leaves {:.2f} px: a rolling shutter, and the board "
-                  "swept by {:.1f} px from the first row to the last",
-                  frame_names(problem, rolling), median_of(rolling, &RowTiming::by_rows_px),
-                  median_of(rolling, &RowTiming::rms_px), median_of(rolling, &RowTiming::otherwise_px),
-                  median_of(rolling, &RowTiming::sweep_px)),
+                  "time of its own, while the best of anything else leaves {:.2f}: a rolling shutter, and the "
+                  "board or the camera moved",
+                  frame_names(problem, timings), median_of(timings, &RowTiming::by_rows_px),
+                  median_of(timings, &RowTiming::rms_px), median_of(timings, &RowTiming::otherwise_px)),
       "hold board and camera still for each image, or leave these views out"};
 }
 

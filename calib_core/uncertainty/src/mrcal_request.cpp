@@ -85,7 +85,8 @@ MrcalProblem mrcal_request(const CalibrationProblem& problem, const CalibrationR
       if (view.fates[i] != ObservationFate::kUsed) continue;
       const Observation& observation = labelled.observations[i];
       const auto place = static_cast<std::size_t>(board.find(observation.point_id) - board.points.data());
-      seen.corners.push_back({request.grid.node_of_point[place], observation.pixel, 1.0 / observation.sigma_px});
+      seen.corners.push_back({request.grid.node_of_point[place], observation.pixel, 1.0 / observation.sigma_px,
+                              observation.pixel - view.residuals_px[i]});
     }
     request.views.push_back(std::move(seen));
   }

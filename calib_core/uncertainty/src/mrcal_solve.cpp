@@ -141,20 +141,16 @@ int mrcal_parameter_count(const std::string& lens_model) {
   return mrcal_lensmodel_from_name(&model, lens_model.c_str()) ? mrcal_lensmodel_num_params(&model) : 0;
 }
 
-MrcalPixel mrcal_pixel(const std::string& lens_model, const Eigen::VectorXd& parameters, const Eigen::Vector3d& ray,
-                       bool by_parameters) {
+SeenRay mrcal_pixel(const std::string& lens_model, const Eigen::VectorXd& parameters, const Eigen::Vector3d& ray) {
   mrcal_lensmodel_t model;
   mrcal_lensmodel_from_name(&model, lens_model.c_str());
   mrcal_point3_t point;
   for (int k = 0; k < 3; ++k) point.xyz[k] = ray[k];
   mrcal_point2_t pixel;
   mrcal_point3_t by_ray[2];
-  Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::RowMajor> rows(2, by_parameters ? parameters.size() : 0);
-  mrcal_project(&pixel, by_ray, by_parameters ? rows.data() : nullptr, &point, 1, &model, parameters.data());
-  MrcalPixel seen{{pixel.x, pixel.y}, {{}, rows}};
-  for (int axis = 0; axis < 2; ++axis) {
-    seen.derivatives.by_ray.row(axis) = Eigen::Map<const Eigen::RowVector3d>(by_ray[axis].xyz);
-  }
+  mrcal_project(&pixel, by_ray, nullptr, &point, 1, &model, parameters.data());
+  SeenRay seen{{pixel.x, pixel.y}, {}};
+  for (int axis = 0; axis < 2; ++axis) seen.by_ray.row(axis) = Eigen::Map<const Eigen::RowVector3d>(by_ray[axis].xyz);
   return seen;
 }
 
@@ -170,7 +166,7 @@ std::optional<MrcalAnswer> solve_with_mrcal(const MrcalProblem&) { return std::n
 
 int mrcal_parameter_count(const std::string&) { return 0; }
 
-MrcalPixel mrcal_pixel(const std::string&, const Eigen::VectorXd&, const Eigen::Vector3d&, bool) { return {}; }
+SeenRay mrcal_pixel(const std::string&, const Eigen::VectorXd&, const Eigen::Vector3d&) { return {}; }
 
 }  // namespace raybundle
 

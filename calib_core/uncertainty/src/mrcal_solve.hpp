@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "projection_difference.hpp"
 #include "raybundle/scene/calibration.hpp"
-#include "sensitivity.hpp"
 
 namespace raybundle {
 
@@ -24,7 +24,8 @@ struct GridOfPoints {
 struct MrcalCorner {
   int node = 0;
   Eigen::Vector2d pixel;
-  double weight = 1.0;  ///< of the residual
+  double weight = 1.0;        ///< of the residual
+  Eigen::Vector2d predicted;  ///< where the first opinion projects it
 };
 
 struct MrcalView {
@@ -65,12 +66,7 @@ std::optional<MrcalAnswer> solve_with_mrcal(const MrcalProblem& problem);
 /// How many parameters a lens model of mrcal has.
 int mrcal_parameter_count(const std::string& lens_model);
 
-/// Where a lens of mrcal sees a ray; derivatives by the parameters only when asked for, for splines have hundreds.
-struct MrcalPixel {
-  Eigen::Vector2d pixel;
-  PixelDerivatives derivatives;
-};
-MrcalPixel mrcal_pixel(const std::string& lens_model, const Eigen::VectorXd& parameters, const Eigen::Vector3d& ray,
-                       bool by_parameters = false);
+/// Where a lens of mrcal sees a ray.
+SeenRay mrcal_pixel(const std::string& lens_model, const Eigen::VectorXd& parameters, const Eigen::Vector3d& ray);
 
 }  // namespace raybundle

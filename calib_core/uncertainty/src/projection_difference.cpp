@@ -190,4 +190,12 @@ ProjectionDifference projection_difference(const RigCamera& a, const Covariance&
   return difference;
 }
 
+ProjectionDifference less(ProjectionDifference difference, const ProjectionDifference& known) {
+  difference.u_px -= known.u_px;
+  difference.v_px -= known.v_px;
+  difference.largest_px = 0.0;
+  summarize(difference);
+  return difference;
+}
+
 }  // namespace raybundle

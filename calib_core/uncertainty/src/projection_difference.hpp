@@ -27,4 +27,7 @@ ProjectionDifference projection_difference(const RigCamera& a, const Covariance&
 ProjectionDifference projection_difference(const RigCamera& a, const Covariance& covariance_a, const Lens& b,
                                            int columns);
 
+/// What is left of a difference when a known one, of the same cells, is taken off.
+ProjectionDifference less(ProjectionDifference difference, const ProjectionDifference& known);
+
 }  // namespace raybundle

@@ -7,13 +7,11 @@
 #include <cmath>
 
 #include "pose_information.hpp"
-#include "raybundle/geometry/quantile.hpp"
 
 namespace raybundle {
 namespace {
 
-constexpr Eigen::Index kPose = 6;
-constexpr Eigen::Index kFewestCorners = 20;  // 40 residuals for at most 16 unknowns
+constexpr Eigen::Index kFewestCorners = 20;  // 40 residuals for at most 13 unknowns
 
 // A view's whitened residual at the solution, and what could explain it.
 struct Explanations {
@@ -24,11 +22,11 @@ struct Explanations {
 
 // Smooth changes of a lens that keep its axis: shift and scale of each axis, which the image of one board tells from
 // its pose, radial terms up to the seventh order, decentring.
-Eigen::MatrixXd lens_terms(const ViewData& view, const Camera& camera) {
-  Eigen::MatrixXd terms(2 * view.pixel.rows(), 7);
-  for (Eigen::Index i = 0; i < view.pixel.rows(); ++i) {
+Eigen::MatrixXd lens_terms(const Eigen::MatrixX2d& pixels, const ViewData& view, const Camera& camera) {
+  Eigen::MatrixXd terms(2 * pixels.rows(), 7);
+  for (Eigen::Index i = 0; i < pixels.rows(); ++i) {
     const Eigen::Vector2d at =
-        (view.pixel.row(i).transpose() - Eigen::Vector2d(camera.cx(), camera.cy())) / camera.size.width;
+        (pixels.row(i).transpose() - Eigen::Vector2d(camera.cx(), camera.cy())) / camera.size.width;
     const double x = at.x(), y = at.y(), s = at.squaredNorm();
     terms.row(2 * i) << x, 0.0, x * s, x * s * s, x * s * s * s, s + 2.0 * x * x, 2.0 * x * y;
     terms.row(2 * i + 1) << 0.0, y, y * s, y * s * s, y * s * s * s, 2.0 * x * y, s + 2.0 * y * y;
@@ -56,10 +54,15 @@ std::optional<Explanations> explanations_of(const Calibration& calibration, cons
   Explanations all;
   all.residual = block.residual.head(rows);
   all.pose = block.wrt_rig_from_target.topRows(rows);
-  all.by_row = timed(all.pose, view.pixel.col(1), camera.camera.size.height);
-  all.by_column = timed(all.pose, view.pixel.col(0), camera.camera.size.height);
+  // Where the corners are predicted: measured places would let their own noise explain the residuals.
+  Eigen::MatrixX2d pixels = view.pixel;
+  for (Eigen::Index i = 0; i < pixels.rows(); ++i) {
+    pixels.row(i) += all.residual.segment<2>(2 * i).transpose() / view.inverse_sigma[i];
+  }
+  all.by_row = timed(all.pose, pixels.col(1), camera.camera.size.height);
+  all.by_column = timed(all.pose, pixels.col(0), camera.camera.size.height);
   all.bend = block.wrt_shape.topRows(rows);
-  all.lens = lens_terms(view, camera.camera);
+  all.lens = lens_terms(pixels, view, camera.camera);
   all.sigma_px = 1.0 / std::sqrt(view.inverse_sigma.square().mean());
   return all;
 }
@@ -68,8 +71,6 @@ std::optional<Explanations> explanations_of(const Calibration& calibration, cons
 struct Fit {
   double chi2 = 0.0;
   double freedom = 1.0;
-  Eigen::VectorXd coefficients;
-
   double rms_px(double sigma_px) const { return sigma_px * std::sqrt(2.0 * chi2 / freedom); }
 };
 
@@ -84,8 +85,7 @@ Fit fit(const Explanations& all, std::initializer_list<const Eigen::MatrixXd*> p
   }
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(by_all);
   Fit result;
-  result.coefficients = -qr.solve(all.residual);
-  result.chi2 = (all.residual + by_all * result.coefficients).squaredNorm();
+  result.chi2 = (all.residual - by_all * qr.solve(all.residual)).squaredNorm();
   result.freedom = static_cast<double>(all.residual.size() - qr.rank());
   return result;
 }
@@ -97,23 +97,29 @@ double normal_from_f(double f, double numerator, double denominator) {
   return ((1.0 - b) * root - (1.0 - a)) / std::sqrt(b * root * root + a);
 }
 
+// Whether more columns explain what chance does not.
+bool beyond_chance(const Fit& without, const Fit& with) {
+  const double unknowns = without.freedom - with.freedom;
+  if (!(unknowns > 0.0 && with.chi2 > 0.0)) return false;
+  const double f = (without.chi2 - with.chi2) / unknowns / (with.chi2 / with.freedom);
+  return normal_from_f(f, unknowns, with.freedom) > kRowTimingSigmas;
+}
+
 RowTiming timing_of(const Explanations& all, int view) {
   const Fit still = fit(all, {&all.pose}), by_rows = fit(all, {&all.pose, &all.by_row});
-  RowTiming timing{.view = view};
-  timing.rms_px = still.rms_px(all.sigma_px);
-  timing.by_rows_px = by_rows.rms_px(all.sigma_px);
-  timing.otherwise_px = std::min(fit(all, {&all.pose, &all.by_column}).rms_px(all.sigma_px),
-                                 fit(all, {&all.pose, &all.bend, &all.lens}).rms_px(all.sigma_px));
-  const Eigen::VectorXd swept = all.pose * by_rows.coefficients.tail(kPose);
-  std::vector<double> sweeps;
-  for (Eigen::Index i = 0; i < swept.size(); i += 2) sweeps.push_back(all.sigma_px * swept.segment<2>(i).norm());
-  timing.sweep_px = median(sweeps);
-  const double unknowns = still.freedom - by_rows.freedom;
-  if (!(unknowns > 0.0 && by_rows.chi2 > 0.0)) return timing;
-  const double f = (still.chi2 - by_rows.chi2) / unknowns / (by_rows.chi2 / by_rows.freedom);
-  timing.rolling = normal_from_f(f, unknowns, by_rows.freedom) > kRowTimingSigmas &&
-                   timing.by_rows_px < kRowTimingShare * timing.otherwise_px;
-  return timing;
+  const Fit by_columns = fit(all, {&all.pose, &all.by_column});
+  const Fit bend = fit(all, {&all.pose, &all.bend}), lens = fit(all, {&all.pose, &all.lens});
+  // For errors of an unknown size, twice the logarithm of the ratio of likelihoods.
+  const auto gain = [&](const Fit& of, const Fit& over) {
+    return static_cast<double>(all.residual.size()) * std::log(over.chi2 / of.chi2);
+  };
+  const Fit& best = std::min({by_columns, bend, lens}, [](const Fit& a, const Fit& b) { return a.chi2 < b.chi2; });
+  return {view,
+          still.rms_px(all.sigma_px),
+          by_rows.rms_px(all.sigma_px),
+          best.rms_px(all.sigma_px),
+          beyond_chance(still, by_rows) && gain(by_rows, best) > kRowTimingGain,
+          beyond_chance(still, by_columns) && gain(by_columns, by_rows) > kRowTimingGain};
 }
 
 }  // namespace
@@ -130,6 +136,12 @@ std::vector<RowTiming> row_timings(const CalibrationProblem& problem, const Cali
     if (all) timings.push_back(timing_of(*all, v));
   }
   return timings;
+}
+
+bool is_rolling(const std::vector<RowTiming>& timings) {
+  constexpr int kFewestViews = 3, kTimesColumns = 4;
+  const auto rows = std::ranges::count_if(timings, &RowTiming::rows);
+  return rows >= kFewestViews && rows > kTimesColumns * std::ranges::count_if(timings, &RowTiming::columns);
 }
 
 }  // namespace raybundle

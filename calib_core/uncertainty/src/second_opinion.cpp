@@ -120,11 +120,8 @@ std::vector<SecondOpinion> second_opinions(const CalibrationProblem& problem, co
   const MrcalProblem request = mrcal_request(problem, first);
   const Counterpart counterpart = counterpart_of(problem, first);
   std::vector<SecondOpinion> opinions{parametric_opinion(request, counterpart.calibration),
-                                      splined_opinion(request, counterpart.calibration)};
-  for (SecondOpinion& opinion : opinions) {
-    if (!opinion.comparison || counterpart.remark.empty()) continue;
-    opinion.remark = opinion.remark.empty() ? counterpart.remark : counterpart.remark + "; " + opinion.remark;
-  }
+                                      splined_opinion(request, first.calibration)};
+  if (opinions[0].comparison) opinions[0].remark = counterpart.remark;
   return opinions;
 }
 

@@ -19,7 +19,7 @@ namespace raybundle {
 ///
 /// @param request  as mrcal_request
 /// @param first    of the same rig and corners, with CornerEvidence
-SecondOpinion splined_opinion(MrcalProblem request, const Calibration& first);
+SecondOpinion splined_opinion(const MrcalProblem& request, const Calibration& first);
 
 /// Corners that carry a cell of the spline.
 inline constexpr double kCornersPerCell = 16.0;

@@ -54,8 +54,8 @@ INSTANTIATE_TEST_SUITE_P(Models, SecondOpinionOf,
                          ::testing::Values(std::tuple("brown_conrady", 1), std::tuple("brown_conrady", 2),
                                            std::tuple("rational", 1)));
 
-// Corners without noise leave nothing between a fisheye and its splined opinion but how well splines of those knots can
-// follow the lens, which the opinion states; twice that, because corners and cells of the map do not lie alike.
+// Corners without noise leave nothing between a fisheye and its splined opinion but how well a regularised spline
+// follows the lens, which the opinion states and takes out; a thousandth of a pixel is what is left of two solves.
 TEST(SplinedOpinion, FollowsAFisheyeAsNearlyAsItSays) {
   SyntheticOptions options;
   options.frames = 40;
@@ -69,8 +69,9 @@ TEST(SplinedOpinion, FollowsAFisheyeAsNearlyAsItSays) {
   const SecondOpinion& splined = opinions[1];
   ASSERT_TRUE(splined.comparison) << splined.why_not;
   ASSERT_TRUE(splined.approximation_px);
-  EXPECT_LT(*splined.approximation_px, 0.05);
-  EXPECT_LT(splined.comparison->projections[0].largest_px, 2.0 * *splined.approximation_px);
+  EXPECT_LT(splined.comparison->projections[0].largest_px, 1e-3);
+  EXPECT_LT(*splined.approximation_px, 0.5);
+  EXPECT_GT(splined.comparison->projections[0].covered_share, 0.5);
 }
 
 // A lens that is bent by what its model lacks shows in the splined opinion, and only there: the one of the same model
@@ -86,7 +87,7 @@ TEST(SplinedOpinion, SeesWhatTheModelLacks) {
   if (without_mrcal(opinions)) GTEST_SKIP() << opinions[0].why_not;
   ASSERT_TRUE(opinions[1].comparison) << opinions[1].why_not;
   EXPECT_LT(opinions[1].rms_px, 0.5 * first.rms_px);
-  EXPECT_GT(opinions[1].comparison->projections[0].largest_px, 10.0 * *opinions[1].approximation_px);
+  EXPECT_GT(opinions[1].comparison->projections[0].largest_px, 2.0);
 }
 
 TEST(SecondOpinion, SaysWhyThereIsNone) {

@@ -14,21 +14,23 @@ namespace raybundle {
 /// left.
 struct RowTiming {
   int view = 0;
-  double rms_px = 0.0;      ///< with one pose for all rows
-  double by_rows_px = 0.0;  ///< with a velocity
-  double otherwise_px =
-      0.0;                ///< the best that anything else leaves: a time for each column, a bend and a lens of its own
-  double sweep_px = 0.0;  ///< motion of the board in the image between the first row and the last, median corner
+  double rms_px = 0.0;        ///< with one pose for all rows
+  double by_rows_px = 0.0;    ///< with a velocity
+  double otherwise_px = 0.0;  ///< the best of a time for each column, a bend of its own, a lens of its own
 
-  /// Whether the velocity explains what neither chance nor anything else does: an F test at kRowTimingSigmas, and less
-  /// than kRowTimingShare of what the best other explanation leaves.
-  bool rolling = false;
+  bool rows = false;  ///< a time for each row explains what chance does not, and better than all of these
+  bool columns =
+      false;  ///< a time for each column explains what chance does not, and better than rows: no camera does so
 };
 
 /// Of a normal distribution, so that of 1000 still views at most one, with independent errors, passes the F test.
 inline constexpr double kRowTimingSigmas = 3.1;
-/// Of rms: half of chi2. Errors of lens and board fit rows hardly better than columns.
-inline constexpr double kRowTimingShare = 0.7;
+/// Twice the logarithm by which one explanation has to be likelier than another: 20 times.
+inline constexpr double kRowTimingGain = 6.0;
+
+/// Whether views say that the shutter rolls. Errors of lens and board are smooth, too, and where they are what the
+/// residuals show, columns explain as many views as rows do: at least three views, and four times as many as columns.
+bool is_rolling(const std::vector<RowTiming>& timings);
 
 /// One entry for each view of the camera with enough corners to tell, by linear least squares at the solution.
 ///

@@ -17,10 +17,12 @@ struct SecondOpinion {
   std::string source;  ///< `mrcal, LENSMODEL_OPENCV8`
   /// The first opinion, or its like by what mrcal knows, against this one.
   std::optional<CalibrationComparison> comparison = {};
-  double rms_px = 0.0;                          ///< root of the mean squared distance
-  std::optional<double> approximation_px = {};  ///< how near the nearest of these lenses, if they are splines, comes
-  std::string remark;                           ///< what is to be known of the comparison
-  std::string why_not;                          ///< without a comparison: the reason, one clause
+  double rms_px = 0.0;  ///< root of the mean squared distance
+  /// Of splines: rms by which they miss our lens when corners lie exactly where it projects them. It has been taken
+  /// out.
+  std::optional<double> approximation_px = {};
+  std::string remark;   ///< what is to be known of the comparison
+  std::string why_not;  ///< without a comparison: the reason, one clause
 };
 
 /// Solves for cameras, rig, board poses and board shape with mrcal's optimiser, from the poses of the first opinion:
