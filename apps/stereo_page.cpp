@@ -53,7 +53,7 @@ const draw = () => {
   const frame = frames[which.value], p = frame.points, n = p.length / 4;
   const w = canvas.width = canvas.clientWidth * devicePixelRatio, h = canvas.height = canvas.clientHeight * devicePixelRatio;
   const [cy, sy, cp, sp] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
-  const scale = 1.2 * zoom * Math.min(w, h), middle = frame.middle_m, eye = 1.6 * middle[2], seen = [];
+  const scale = 1.2 * zoom * Math.min(w, h), middle = frame.middle_m, eye = 3 * middle[2], seen = [];
   for (let i = 0; i < n; ++i) {
     const x = p[4 * i] - middle[0], y = p[4 * i + 1] - middle[1], z = p[4 * i + 2] - middle[2];
     const a = cy * x + sy * z, b = cy * z - sy * x, depth = cp * b - sp * y + eye;
