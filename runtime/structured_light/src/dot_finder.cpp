@@ -132,6 +132,8 @@ std::span<const Dot> DotFinder::find(const GreyView& on, const GreyView& off) {
   for (const Peak& peak : peaks_) {
     const auto spot = spot_centre(on, off, {2.0 * peak.u + 0.5, 2.0 * peak.v + 0.5}, noise);
     if (!spot || spot->major_sigma_px > options_.largest_sigma_px) continue;
+    // Corners and steps of a rim of sunlight look like wide spots in great unrest.
+    if (0.5 * spot->covariance_px2.trace() > options_.most_uncertain_px * options_.most_uncertain_px) continue;
     dots_.push_back({spot->pixel, spot->covariance_px2, kUnlabelled, spot->brightness});
   }
   if (dots_.size() > most_dots_) {

@@ -18,6 +18,7 @@ struct DotFinderOptions {
   double grey_per_electron = 0.03;  ///< shot noise has variance grey_per_electron * grey [grey²]
   double least_signal = 6.0;        ///< of a spot over its surroundings, in sigmas of a smoothed pixel
   double largest_sigma_px = 3.5;    ///< of a spot, along its longer axis
+  double most_uncertain_px = 0.2;   ///< of a centre: noise alone makes a spot of the least signal half as uncertain
 };
 
 /// Finds laser dots: spots that are brighter than what is around them on all sides. Edges of sunlight and shadows,
