@@ -11,6 +11,7 @@
 #include "occupancy_evaluation.hpp"
 #include "occupancy_input.hpp"
 #include "occupancy_learning.hpp"
+#include "occupancy_page.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/occupancy/case_base_file.hpp"
 #include "raybundle/scene/atomic_file.hpp"
@@ -29,7 +30,7 @@ struct Flags {
   SimulatedLearning learning;
   LearnOptions learn;
   EvaluationOptions evaluation;
-  std::string vehicle;
+  std::string vehicle, page;
   std::vector<std::string> frames;
   bool json = false;
 };
@@ -111,7 +112,25 @@ nlohmann::ordered_json json_of(const std::string& file, const Occupancy& answer,
   json["points_in_outer_zone"] = answer.zones.out_of_position;
   if (answer.zones.anything) json["dashboard_distance_m"] = answer.zones.distance_m;
   if (answer.zones.anything) json["dashboard_distance_sigma_m"] = answer.zones.sigma_m;
+  json["rays_through_zones"] = answer.free_rays;
   json["moving"] = answer.moving;
+  return json;
+}
+
+nlohmann::ordered_json json_of(const VehicleLayout& layout) {
+  return {{"dashboard_x_m", layout.dashboard_x_m},
+          {"zone_floor_m", layout.zone_floor_m},
+          {"zone_half_width_m", layout.zone_half_width_m},
+          {"critical_m", layout.critical_m},
+          {"out_of_position_m", layout.out_of_position_m}};
+}
+
+nlohmann::ordered_json json_of(const std::vector<ScenePoint>& points) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const ScenePoint& point : points) {
+    const Eigen::Vector3d& x = point.x_in_vehicle;
+    json.push_back({{"ray", point.ray}, {"x_in_vehicle_m", {x.x(), x.y(), x.z()}}, {"sigma_m", point.sigma_m}});
+  }
   return json;
 }
 
@@ -125,16 +144,24 @@ void run_classify(const Flags& flags) {
                 flags.base);
   }
   OccupancyMonitor monitor(sensor.layout, base, sensor.rays(), monitor_options_of(SensorKind::kStructuredLight));
-  nlohmann::ordered_json frames = nlohmann::ordered_json::array();
+  nlohmann::ordered_json frames = nlohmann::ordered_json::array(), shown = frames;
   std::vector<std::vector<std::string>> rows{{"frame", "state", "airbag", "group", "class", "distance m"}};
   for (const std::string& file : flags.frames) {
     const PointFrame frame = read_point_frame(file, sensor);
     const Occupancy answer = monitor.process({sensor.viewpoint_in_vehicle, frame.points, sensor.rays(), frame.state});
     frames.push_back(json_of(file, answer, base));
+    if (!flags.page.empty()) {
+      shown.push_back(frames.back());
+      shown.back()["points"] = json_of(frame.points);
+    }
     rows.push_back({file, name_of(answer.state), name_of(answer.action),
                     answer.group < 0 ? "unsure" : base.group_names[answer.group],
                     answer.situation < 0 ? "unknown" : base.situations[answer.situation].name,
                     answer.zones.anything ? fmt::format("{:.3f}", answer.zones.distance_m) : "-"});
+  }
+  if (!flags.page.empty()) {
+    const nlohmann::ordered_json page{{"vehicle", json_of(sensor.layout)}, {"frames", shown}};
+    write_file_whole(flags.page, occupancy_page(page.dump()));
   }
   flags.json ? fmt::print("{}\n", nlohmann::ordered_json{{"frames", frames}}.dump(2))
              : fmt::print("{}", text_table(rows));
@@ -148,6 +175,7 @@ void add_classify(CLI::App& verb) {
   classify->add_option("--vehicle", flags->vehicle, "where seat, dashboard and sensor are (docs/formats/occupancy.md)")
       ->type_name("TOML")
       ->required();
+  classify->add_option("--page", flags->page, "an HTML page of the frames to write")->type_name("FILE");
   classify->add_flag("--json", flags->json, "print the result as JSON");
   classify->callback([flags] { run_classify(*flags); });
 }
@@ -215,7 +243,7 @@ void add_occupancy_verb(CLI::App& app) {
       "  raybundle occupancy learn --scenes 4000 -o seats.rbcases\n"
       "  raybundle occupancy evaluate seats.rbcases --scenes 3000\n"
       "  raybundle reconstruct structured-light out/calibration.json frames/*.png -o points\n"
-      "  raybundle occupancy classify seats.rbcases points/*.json --vehicle vehicle.toml");
+      "  raybundle occupancy classify seats.rbcases points/*.json --vehicle vehicle.toml --page seats.html");
 }
 
 }  // namespace raybundle::apps

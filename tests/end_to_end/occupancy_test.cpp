@@ -81,12 +81,14 @@ TEST(Occupancy, ClassifiesFramesOfLaserPoints) {
   write_text(folder / "vehicle.toml", kVehicle);
   write_text(folder / "empty.json", points_text(CabinClass::kEmpty, 5));
   const std::string frame = (folder / "empty.json").string();
-  const ProgramRun run = raybundle_program({"occupancy", "classify", learnt_base(), frame, frame, frame, "--vehicle",
-                                            (folder / "vehicle.toml").string(), "--json"});
+  const ProgramRun run =
+      raybundle_program({"occupancy", "classify", learnt_base(), frame, frame, frame, "--vehicle",
+                         (folder / "vehicle.toml").string(), "--page", (folder / "seats.html").string(), "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto frames = nlohmann::json::parse(run.out)["frames"];
   ASSERT_EQ(frames.size(), 3u);
   for (const auto& answer : frames) EXPECT_NE(answer["airbag"], "fire");
+  EXPECT_NE(text_of(folder / "seats.html").find("rays_through_zones"), std::string::npos);
 }
 
 TEST(Occupancy, SaysWhatIsWrongWithItsInput) {
@@ -107,6 +109,10 @@ TEST(Occupancy, SaysWhatIsWrongWithItsInput) {
   const ProgramRun unknown = classify(learnt_base(), "points.json", "unknown.toml");
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_NE(unknown.err.find("colour"), std::string::npos);
+
+  const ProgramRun incomplete = raybundle_program({"occupancy", "classify", learnt_base(), "points.json"});
+  EXPECT_EQ(incomplete.exit_code, 2);
+  EXPECT_NE(incomplete.err.find("raybundle occupancy classify --help"), std::string::npos) << incomplete.err;
 
   write_text(folder / "broken.json", "{\"format\": \"raybundle laser points\"");
   EXPECT_EQ(classify(learnt_base(), "broken.json", "vehicle.toml").exit_code, 2);

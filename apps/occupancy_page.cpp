@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "occupancy_page.hpp"
+
+#include <string_view>
+
+namespace raybundle::apps {
+namespace {
+
+constexpr std::string_view kBegin = R"(<!doctype html><html lang="en"><meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1"><title>Seat occupancy</title>
+<style>
+:root { color-scheme: light dark; --line: #8884; }
+body { font: 15px/1.5 system-ui, sans-serif; margin: 1.5rem; max-width: 90rem; }
+main { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(28rem, 100%), 1fr)); gap: 1rem; }
+figure { margin: 0; } figcaption { opacity: .75; margin-top: .3rem; }
+svg { width: 100%; border: 1px solid var(--line); border-radius: 4px; display: block; }
+.badge { padding: .1rem .6rem; border-radius: 4px; color: #fff; background: #777; }
+.fire { background: #c33; } .depowered { background: #b70; } .no_fire { background: #27a; }
+.controls { display: flex; gap: .8rem; align-items: center; margin: .8rem 0; } .controls input { flex: 1; }
+td { padding: 0 1rem 0 0; }
+</style>
+<h1>Seat occupancy <span id="airbag" class="badge"></span></h1>
+<div class="controls"><button id="play">Play</button><input id="at" type="range" min="0" value="0" aria-label="frame"><output id="name"></output></div>
+<main>
+<figure><svg id="side"></svg><figcaption>From the left: to the dashboard is right, up is up [m]. Red: critical zone, orange: outer zone.</figcaption></figure>
+<figure><svg id="top"></svg><figcaption>From above: to the dashboard is right, the car's left is up [m].</figcaption></figure>
+<figure><table id="reasons"></table><figcaption>What the decision rests on.</figcaption></figure>
+</main>
+<script type="application/json" id="data">)";
+
+constexpr std::string_view kEnd = R"(</script><script>
+'use strict';
+const {vehicle: car, frames} = JSON.parse(document.getElementById('data').textContent);
+const element = id => document.getElementById(id);
+const make = (parent, tag, attributes, text) => {
+  const node = document.createElementNS('http://www.w3.org/2000/svg', tag);
+  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
+  if (text) node.textContent = text;
+  return parent.appendChild(node);
+};
+const view = {left: -0.8, width: 1.8}, dash = car.dashboard_x_m;
+const zone = (svg, from, to, low, high, colour) => make(svg, 'rect',
+  {x: dash - to, y: -high, width: to - from, height: high - low, fill: colour, 'fill-opacity': .25});
+const plot = (id, low, high, axis, zoneLow, zoneHigh, frame) => {
+  const svg = element(id);
+  svg.replaceChildren();
+  svg.setAttribute('viewBox', `${view.left} ${-high} ${view.width} ${high - low}`);
+  for (let x = -0.75; x < 1; x += 0.25) {
+    make(svg, 'path', {d: `M${x} ${-high}V${-low}`, stroke: 'currentColor', 'stroke-opacity': .12, 'stroke-width': .003});
+    make(svg, 'text', {x: x + .005, y: -low - .01, 'font-size': .035, fill: 'currentColor'}, x.toFixed(2));
+  }
+  zone(svg, 0, car.critical_m, zoneLow, zoneHigh, '#e22');
+  zone(svg, car.critical_m, car.out_of_position_m, zoneLow, zoneHigh, '#f90');
+  make(svg, 'path', {d: `M${dash} ${-high}V${-low}`, stroke: 'currentColor', 'stroke-width': .006});
+  for (const p of frame.points) {
+    const [x, v] = [p.x_in_vehicle_m[0], p.x_in_vehicle_m[axis]], to = dash - x;
+    const inside = p.x_in_vehicle_m[2] > car.zone_floor_m && Math.abs(p.x_in_vehicle_m[1]) < car.zone_half_width_m;
+    const colour = inside && to < car.critical_m ? '#e22' : inside && to < car.out_of_position_m ? '#f90' : '#38c';
+    const dot = make(svg, 'circle', {cx: x, cy: -v, r: frame.points.length > 1000 ? .004 : .01, fill: colour});
+    make(dot, 'title', {}, `ray ${p.ray}: ${p.x_in_vehicle_m.map(c => c.toFixed(3)).join(', ')} m, sigma ${(1e3 * p.sigma_m).toFixed(1)} mm`);
+  }
+};
+const words = {airbag: 'airbag', state: 'state', group: 'group', class: 'class', confidence: 'share of the votes',
+  points_in_critical_zone: 'points in the critical zone', points_in_outer_zone: 'points in the outer zone',
+  dashboard_distance_m: 'nearest point to the dashboard [m]', dashboard_distance_sigma_m: 'its sigma [m]',
+  rays_through_zones: 'rays that found the zones free', moving: 'share of the rays on the seat that moved'};
+const show = index => {
+  const frame = frames[index];
+  element('name').textContent = `${index + 1} of ${frames.length}: ${frame.file}`;
+  element('airbag').textContent = frame.airbag;
+  element('airbag').className = 'badge ' + frame.airbag;
+  plot('side', -0.35, 1.05, 2, car.zone_floor_m, 0.75, frame);
+  plot('top', -0.55, 0.55, 1, -car.zone_half_width_m, car.zone_half_width_m, frame);
+  element('reasons').replaceChildren(...Object.entries(words).filter(([key]) => key in frame).map(([key, word]) => {
+    const row = document.createElement('tr'), value = frame[key];
+    for (const text of [word, typeof value === 'number' ? +value.toFixed(3) : value ?? 'unsure']) {
+      row.appendChild(document.createElement('td')).textContent = text;
+    }
+    return row;
+  }));
+};
+const at = element('at');
+at.max = frames.length - 1;
+at.oninput = () => show(+at.value);
+let timer = 0;
+element('play').onclick = () => {
+  element('play').textContent = timer ? 'Play' : 'Stop';
+  if (timer) { clearInterval(timer); timer = 0; return; }
+  timer = setInterval(() => { at.value = (+at.value + 1) % frames.length; show(+at.value); }, 300);
+};
+show(0);
+</script></html>
+)";
+
+// No tag begins within the data: a path may hold anything.
+std::string without_tags(const std::string& json) {
+  std::string text;
+  for (const char c : json) c == '<' ? text += "\\u003c" : text += c;
+  return text;
+}
+
+}  // namespace
+
+std::string occupancy_page(const std::string& json) {
+  return std::string(kBegin) + without_tags(json) + std::string(kEnd);
+}
+
+}  // namespace raybundle::apps
