@@ -11,29 +11,14 @@
 namespace raybundle {
 namespace {
 
-constexpr Eigen::Index kFewestCorners = 20;  // 40 residuals for at most 13 unknowns
+constexpr Eigen::Index kFewestCorners = 20;  // 40 residuals for at most 12 unknowns
 
 // A view's whitened residual at the solution, and what could explain it.
 struct Explanations {
   Eigen::VectorXd residual;
-  Eigen::MatrixXd pose, by_row, by_column, bend, lens;
+  Eigen::MatrixXd pose, by_row, by_column, bend;
   double sigma_px = 1.0;  // that the residual was whitened by, root mean square
 };
-
-// Smooth changes of a lens that keep its axis: shift and scale of each axis, which the image of one board tells from
-// its pose, radial terms up to the seventh order, decentring.
-Eigen::MatrixXd lens_terms(const Eigen::MatrixX2d& pixels, const ViewData& view, const Camera& camera) {
-  Eigen::MatrixXd terms(2 * pixels.rows(), 7);
-  for (Eigen::Index i = 0; i < pixels.rows(); ++i) {
-    const Eigen::Vector2d at =
-        (pixels.row(i).transpose() - Eigen::Vector2d(camera.cx(), camera.cy())) / camera.size.width;
-    const double x = at.x(), y = at.y(), s = at.squaredNorm();
-    terms.row(2 * i) << x, 0.0, x * s, x * s * s, x * s * s * s, s + 2.0 * x * x, 2.0 * x * y;
-    terms.row(2 * i + 1) << 0.0, y, y * s, y * s * s, y * s * s * s, 2.0 * x * y, s + 2.0 * y * y;
-    terms.middleRows<2>(2 * i) *= view.inverse_sigma[i];
-  }
-  return terms;
-}
 
 // The pose's columns times when each corner was exposed: 0 in the middle, 1 over the whole image.
 Eigen::MatrixXd timed(const Eigen::MatrixXd& pose, const Eigen::VectorXd& place, int length) {
@@ -62,7 +47,6 @@ std::optional<Explanations> explanations_of(const Calibration& calibration, cons
   all.by_row = timed(all.pose, pixels.col(1), camera.camera.size.height);
   all.by_column = timed(all.pose, pixels.col(0), camera.camera.size.height);
   all.bend = block.wrt_shape.topRows(rows);
-  all.lens = lens_terms(pixels, view, camera.camera);
   all.sigma_px = 1.0 / std::sqrt(view.inverse_sigma.square().mean());
   return all;
 }
@@ -108,12 +92,12 @@ bool beyond_chance(const Fit& without, const Fit& with) {
 RowTiming timing_of(const Explanations& all, int view) {
   const Fit still = fit(all, {&all.pose}), by_rows = fit(all, {&all.pose, &all.by_row});
   const Fit by_columns = fit(all, {&all.pose, &all.by_column});
-  const Fit bend = fit(all, {&all.pose, &all.bend}), lens = fit(all, {&all.pose, &all.lens});
+  const Fit bend = fit(all, {&all.pose, &all.bend});
   // For errors of an unknown size, twice the logarithm of the ratio of likelihoods.
   const auto gain = [&](const Fit& of, const Fit& over) {
     return static_cast<double>(all.residual.size()) * std::log(over.chi2 / of.chi2);
   };
-  const Fit& best = std::min({by_columns, bend, lens}, [](const Fit& a, const Fit& b) { return a.chi2 < b.chi2; });
+  const Fit& best = by_columns.chi2 < bend.chi2 ? by_columns : bend;
   return {view,
           still.rms_px(all.sigma_px),
           by_rows.rms_px(all.sigma_px),

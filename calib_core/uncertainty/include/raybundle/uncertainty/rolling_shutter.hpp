@@ -16,9 +16,9 @@ struct RowTiming {
   int view = 0;
   double rms_px = 0.0;        ///< with one pose for all rows
   double by_rows_px = 0.0;    ///< with a velocity
-  double otherwise_px = 0.0;  ///< the best of a time for each column, a bend of its own, a lens of its own
+  double otherwise_px = 0.0;  ///< the better of a time for each column and a bend of its own
 
-  bool rows = false;  ///< a time for each row explains what chance does not, and better than all of these
+  bool rows = false;  ///< a time for each row explains what chance does not, and better than both
   bool columns =
       false;  ///< a time for each column explains what chance does not, and better than rows: no camera does so
 };
