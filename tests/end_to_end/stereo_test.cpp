@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iostream>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
@@ -23,6 +24,7 @@ namespace fs = std::filesystem;
 
 struct RealPairs {
   std::string folder, target, model, images, some;  // `some`: of the images, those that calibrate
+  double most_px = 0.1;
 };
 void PrintTo(const RealPairs& pairs, std::ostream* out) { *out << pairs.folder; }
 
@@ -49,6 +51,18 @@ std::map<int, std::vector<double>> row_differences(const Rectification& pair, co
   return differences;
 }
 
+// Frames whose board has one pose for both cameras: it did not move between the exposures
+// (docs/decisions/0003-ties.md).
+std::set<std::string> tied_frames(const nlohmann::json& report) {
+  std::map<std::string, int> poses;
+  for (const nlohmann::json& pose : report.at("poses")) ++poses[pose.at("frame").get<std::string>()];
+  std::set<std::string> tied;
+  for (const auto& [frame, count] : poses) {
+    if (count == 1) tied.insert(frame);
+  }
+  return tied;
+}
+
 struct RealStereo : ::testing::TestWithParam<RealPairs> {};
 
 TEST_P(RealStereo, RowsOfBoardsThatTheCalibrationHasNotSeenAgree) {
@@ -61,9 +75,13 @@ TEST_P(RealStereo, RowsOfBoardsThatTheCalibrationHasNotSeenAgree) {
                                     "--camera", "left=" + images + "left" + pattern,
                                     "--camera", "right=" + images + "right" + pattern};
   };
-  std::vector<std::string> some = cameras(pairs.some);
-  some.insert(some.end(), {"--model", pairs.model});
-  const nlohmann::json report = calibrate(folder, some);
+  const auto calibrated_with = [&](const std::string& pattern) {
+    std::vector<std::string> flags = cameras(pattern);
+    flags.insert(flags.end(), {"--model", pairs.model});
+    return calibrate(folder, flags);
+  };
+  const std::set<std::string> tied = tied_frames(calibrated_with(pairs.images));
+  const nlohmann::json report = calibrated_with(pairs.some);
   detect(folder, cameras(pairs.images));
   const Calibration calibration = read_calibration(folder / "out" / "calibration.json").calibration;
   const CalibrationProblem problem = read_observations(folder / "observations.json").problem;
@@ -73,30 +91,29 @@ TEST_P(RealStereo, RowsOfBoardsThatTheCalibrationHasNotSeenAgree) {
   }
 
   const Rectification pair = rectify(calibration.cameras.at(0), calibration.cameras.at(1));
-  std::vector<double> frames, corners;
+  std::vector<double> of_tied, of_others;  // mean difference of each frame
   for (const auto& [frame, differences] : row_differences(pair, calibration, problem, seen)) {
     double mean = 0.0;
-    for (const double difference : differences) {
-      mean += difference / static_cast<double>(differences.size());
-      corners.push_back(std::abs(difference));
-    }
-    frames.push_back(std::abs(mean));
+    for (const double difference : differences) mean += difference / static_cast<double>(differences.size());
+    (tied.contains(problem.frames[static_cast<std::size_t>(frame)]) ? of_tied : of_others).push_back(std::abs(mean));
   }
-  ASSERT_GE(frames.size(), 3U);
-  RecordProperty("frames_px", std::to_string(median(frames)));
-  RecordProperty("corners_px", std::to_string(median(corners)));
-  // Medians: in one pair of opencv_stereo_chess the board moved between the two exposures.
-  EXPECT_LT(median(frames), 0.1);
-  EXPECT_LT(median(corners), 0.1);
+  ASSERT_GE(of_tied.size(), 3U);
+  const std::size_t tied_count = of_tied.size();
+  const double tied_px = median(of_tied);
+  std::cout << pairs.folder << ": rows of held-out boards differ by " << tied_px << " px in " << tied_count
+            << " frames that are tied";
+  if (!of_others.empty()) std::cout << ", by " << median(of_others) << " px where the board moved";
+  std::cout << std::endl;
+  EXPECT_LT(tied_px, pairs.most_px);
 }
 
-// Not held to it: the public fisheye set, whose rows differ by 0.36 px on frames 1 to 9 under a calibration from frames
-// 10 to 29. Whether the set or the calibration is at fault is not known.
 INSTANTIATE_TEST_SUITE_P(Data, RealStereo,
                          ::testing::Values(RealPairs{"boofcv_stereo/Bumblebee2_Chess", "chessboard:6x4:30mm",
                                                      "brown_conrady", "*.jpg", "0[1-6].jpg"},
                                            RealPairs{"opencv_stereo_chess", "chessboard:9x6:25mm", "brown_conrady",
-                                                     "[0-9][0-9].jpg", "0[1-7].jpg"}));
+                                                     "[0-9][0-9].jpg", "0[1-7].jpg"},
+                                           RealPairs{"sourishg_fisheye_stereo/imgs", "chessboard:9x6:24.23mm",
+                                                     "kannala_brandt", "*.jpg", "[12][13457].jpg"}));
 
 TEST(ReconstructStereo, WritesWhatItSaysForARealFisheyePair) {
   RAYBUNDLE_NEEDS_DATA("sourishg_fisheye_stereo/imgs");
@@ -159,7 +176,9 @@ TEST(ReconstructStereo, ShowsASequenceInABrowser) {
   EXPECT_GT(browser.evaluate(lit).get<int>(), 1000);  // points are drawn
   browser.evaluate("step(1)");
   EXPECT_EQ(browser.evaluate("document.getElementById('words').textContent.slice(0, 2)"), "2:");
-  EXPECT_EQ(browser.requests.size(), 1U);  // nothing from a network
+  for (const std::string& request : browser.requests) {
+    EXPECT_TRUE(request.starts_with("file:") || request.starts_with("data:")) << request;  // nothing from a network
+  }
   EXPECT_TRUE(browser.errors.empty()) << browser.errors.front();
 }
 
