@@ -49,6 +49,12 @@ double farthest_known(const CaseBase& base, const CaseSpace& space, double share
   return distances[static_cast<std::size_t>(share * static_cast<double>(distances.size() - 1))];
 }
 
+// Few cases are learnt by heart when they are seen too often.
+int steps_for(Eigen::Index cases) {
+  constexpr Eigen::Index kPasses = 60, kBatch = 256, kLeast = 300;
+  return static_cast<int>(std::max(kLeast, kPasses * cases / kBatch));
+}
+
 }  // namespace
 
 CaseBase learn(const LabelledCases& cases, const LearnOptions& options) {
@@ -68,7 +74,7 @@ CaseBase learn(const LabelledCases& cases, const LearnOptions& options) {
   }
   for (int s = 0; s < options.spaces; ++s) {
     const EmbeddingSearch search{.sizes = options.layers,
-                                 .steps = options.steps,
+                                 .steps = std::min(options.steps, steps_for(attributes.cols())),
                                  .decay = options.decay,
                                  .dropout = options.dropout,
                                  .seed = static_cast<std::uint64_t>(s) + 1};

@@ -27,7 +27,7 @@ struct LearnOptions {
   int most_cases = 24000;               ///< kept, evenly chosen; all are learnt from
   double known_share = 0.999;           ///< of the learnt cases that are near enough to the others: sets `farthest`
   std::vector<int> layers{96, 48, 16};  ///< sizes of the embedding's layers, the last one that of the cases' space
-  int steps = 2000;                     ///< of the search for it
+  int steps = 2000;                     ///< of the search for it, at most; fewer for few cases
   double decay = 1e-4;                  ///< how much its weights are drawn to zero
   double dropout = 0.1;                 ///< share of the values between layers that a step leaves out
 };
