@@ -4,8 +4,8 @@
 // matches at the density that the other has. A match is wrong when it is more than 1 px from all that the truth may be:
 // it was rounded to whole pixels of the full-size image. What is more than 1 px from the rounded truth stands beside
 // it; there, who is drawn to whole pixels is better off. The columns whose partner may lie outside of the right image
-// count for nobody. Steps along paths and the window were chosen on cones and on aloe halved; aloe in full size and all
-// disturbed pairs were not looked at for it.
+// count for nobody. Steps along paths, census and window were chosen on cones and on aloe halved, plain and disturbed;
+// nothing was chosen on aloe in full size.
 #include <fmt/format.h>
 
 #include <algorithm>
