@@ -167,13 +167,14 @@ void add_objects(const SeatSetting& seat, Random& random, Meshes& meshes) {
   const SeatAxes axes = axes_of(seat);
   const int count = 1 + random.below(3);
   for (int i = 0; i < count; ++i) {
-    // Crates and bags; flat parcels; tall ones that lean on the back; long ones that lie.
+    // What a coarse grid of beams can tell from a cushion, some 5 cm thick: crates and bags; flat parcels; tall ones
+    // that lean on the back; long ones that lie.
     const int shape = random.below(5);
     Eigen::Vector3d semi(random.uniform(0.06, 0.20), random.uniform(0.06, 0.20), random.uniform(0.05, 0.22));
-    if (shape == 2) semi.z() = random.uniform(0.01, 0.05);
+    if (shape == 2) semi = {random.uniform(0.10, 0.20), random.uniform(0.10, 0.20), random.uniform(0.025, 0.05)};
     if (shape == 3) semi = {random.uniform(0.05, 0.12), random.uniform(0.10, 0.22), random.uniform(0.20, 0.32)};
-    if (shape == 4) semi = {random.uniform(0.04, 0.08), random.uniform(0.12, 0.24), random.uniform(0.04, 0.08)};
-    if (count > 1) semi *= 0.75;
+    if (shape == 4) semi = {random.uniform(0.05, 0.09), random.uniform(0.12, 0.24), random.uniform(0.05, 0.09)};
+    if (count > 1 && shape != 2) semi *= 0.8;
     const double across = count == 1 ? random.uniform(-0.10, 0.10) : -0.14 + 0.28 * i / (count - 1);
     const double along = (shape == 3 ? semi.x() : semi.head<2>().maxCoeff()) + random.uniform(0.05, 0.20);
     const double roundness = random.chance(0.5) ? 0.12 : random.uniform(0.3, 0.9);
