@@ -10,6 +10,7 @@
 
 #include "raybundle/camera/camera.hpp"
 #include "raybundle/geometry/quantile.hpp"
+#include "raybundle/uncertainty/verdict.hpp"
 #include "survey_text.hpp"
 #include "terminal.hpp"
 
@@ -62,17 +63,8 @@ std::string rig_lines(const CalibrationResult& result) {
   const std::vector<RigCamera>& cameras = result.calibration.cameras;
   for (std::size_t c = 1; c < cameras.size(); ++c) {
     const Eigen::Vector3d centre = cameras[c].camera_from_rig.inverse().translation;
-    const Covariance& covariance = result.calibration.covariance;
-    double sigma2 = 0.0;  // of the length: the translation's sigma along itself, to first order
-    const Eigen::Vector3d along = cameras[c].camera_from_rig.translation.normalized();
-    for (int axis = 0; axis < 3; ++axis) {
-      const char* axes[] = {"x", "y", "z"};
-      const double sigma =
-          covariance.sigma(fmt::format("{}.camera_from_rig.translation_{}", cameras[c].name, axes[axis]));
-      sigma2 += along[axis] * along[axis] * sigma * sigma;
-    }
     text += fmt::format("{} from {}: baseline {:.2f} ± {:.2f} mm, turned by {:.3f}°\n", cameras[c].name,
-                        cameras[0].name, 1e3 * centre.norm(), 1e3 * std::sqrt(sigma2),
+                        cameras[0].name, 1e3 * centre.norm(), 1e3 * baseline_sigma(cameras[c], result.calibration),
                         degrees(angle_between(cameras[c].camera_from_rig, Rigid3{})));
   }
   return text;

