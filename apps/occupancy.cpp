@@ -161,9 +161,10 @@ void run_classify(const Flags& flags) {
   }
   if (!flags.page.empty()) {
     const nlohmann::ordered_json page{{"vehicle", json_of(sensor.layout)}, {"frames", shown}};
-    write_file_whole(flags.page, occupancy_page(page.dump()));
+    write_file_whole(flags.page, occupancy_page(page.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)));
   }
-  flags.json ? fmt::print("{}\n", nlohmann::ordered_json{{"frames", frames}}.dump(2))
+  flags.json ? fmt::print("{}\n", nlohmann::ordered_json{{"frames", frames}}.dump(
+                                      2, ' ', false, nlohmann::json::error_handler_t::replace))
              : fmt::print("{}", text_table(rows));
 }
 

@@ -152,7 +152,8 @@ nlohmann::json stereo_page_frame(const std::string& name, const StereoFrame& fra
 
 std::string stereo_page(const nlohmann::json& frames) {
   std::string json;
-  for (const char c : frames.dump()) c == '<' ? json += "\\u003c" : json += c;  // no tag begins within the data
+  const std::string text = frames.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  for (const char c : text) c == '<' ? json += "\\u003c" : json += c;  // no tag begins within the data
   return std::string(kBegin) + json + std::string(kEnd);
 }
 

@@ -23,12 +23,15 @@ void add_survey_flags(CLI::App& verb, bool required, SurveyInput& input) {
                   "of the local frame: latitude, longitude [deg], height above the ellipsoid [m]")
       ->delimiter(',')
       ->expected(3)
+      ->needs(landmarks)
       ->type_name("LAT,LON,HEIGHT");
   verb.add_option("--height", input.height,
                   "what heights are above: ellipsoidal, or orthometric:N with the geoid's height N there [m]")
+      ->needs(landmarks)
       ->type_name("DATUM");
   verb.add_option("--sighting-sigma", input.sigma_px, "of a sighting's u and v [px]")
       ->check(CLI::PositiveNumber)
+      ->needs(landmarks)
       ->capture_default_str();
 }
 

@@ -38,7 +38,8 @@ struct PoseRows {
   }
 
   // What is left of the rows about the parameters when the pose may follow freely: their part that is orthogonal to
-  // the pose's columns. No difference of large matrices is formed, so that an unseen direction comes out as such.
+  // the pose's columns. No difference of large matrices is formed, so that an unseen direction comes out as such. Fewer
+  // rows by as many directions of the pose as are seen: six, but three when all points are infinitely far.
   Eigen::MatrixXd eliminated() const {
     const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(wrt_pose);
     Eigen::MatrixXd rotated = wrt_parameters;
@@ -135,10 +136,10 @@ ReducedInformation reduced_information(const CalibrationProblem& problem, const 
   result.names = free_names(layout);
 
   for_each_pose(problem, state, options, layout, [&](int, const PoseRows& rows) {
-    result.parameters += 6;
     result.chi2 += rows.wrt_parameters.rightCols<1>().squaredNorm();
     result.residuals += static_cast<int>(rows.wrt_parameters.rows());
     const Eigen::MatrixXd left = rows.eliminated().leftCols(layout.columns);
+    result.parameters += static_cast<int>(rows.wrt_parameters.rows() - left.rows());
     result.information += left.transpose() * left;
   });
 

@@ -56,25 +56,27 @@ void add_laser(const CalibrateOptions& options, const BundleOptions& bundle, dou
   result = std::move(with);
 }
 
+// What remains of the landmarks' joining for later.
+struct JoinedSurvey {
+  std::vector<Rigid3> target_from_local;  // of the targets that were added
+  std::vector<std::string> warnings;      // besides those of the covariance, which is filled in again when dots join
+};
+
 // Landmarks join the bundle, in images of their own. What cannot be placed is told; without any the cameras remain.
 //
 // @param corner_scale  of the corners' residuals over the sigmas that they have; brought up to date
-// @return              target_from_local of the targets that were added
-std::vector<Rigid3> add_survey(const CalibrateOptions& options, const BundleOptions& bundle, double& corner_scale,
-                               CalibrationProblem& problem, BundleState& state, CalibrationResult& result) {
+JoinedSurvey add_survey(const CalibrateOptions& options, const BundleOptions& bundle, double& corner_scale,
+                        CalibrationProblem& problem, BundleState& state, CalibrationResult& result) {
   SurveySolve solve;
   {
     const Stopwatch stopwatch(result.stages, "survey");
     solve = solve_with_landmarks(problem, state, result.calibration.covariance, corner_scale, options, bundle);
   }
-  if (solve.images.empty()) {
-    std::ranges::copy(solve.not_placed, std::back_inserter(result.warnings));
-    return {};
-  }
+  if (solve.images.empty()) return {{}, solve.not_placed};
   const double before = result.variance_factor;
   SurveySummary survey{std::move(solve.images),
                        drag_of(problem, state, solve.state, bundle, result.calibration.covariance)};
-  result.warnings = solve.not_placed;  // the covariance gives its own again
+  result.warnings.clear();  // those of the solve without landmarks; the covariance gives its own again
   {
     const Stopwatch stopwatch(result.stages, "uncertainty");
     fill_covariance(solve.problem, solve.state, bundle, result);
@@ -83,13 +85,13 @@ std::vector<Rigid3> add_survey(const CalibrateOptions& options, const BundleOpti
   result.variance_factor *= before;
   result.termination = solve.summary.termination;
   result.iterations += solve.summary.iterations;
-  if (const auto warning = drag_warning(survey.parameters, "the landmarks", "wrong names or coordinates")) {
-    result.warnings.push_back(*warning);
+  if (auto warning = drag_warning(survey.parameters, "the landmarks", "wrong names or coordinates")) {
+    solve.not_placed.push_back(*warning);
   }
   result.survey = std::move(survey);
   problem = std::move(solve.problem);
   state = std::move(solve.state);
-  return solve.target_from_local;
+  return {std::move(solve.target_from_local), std::move(solve.not_placed)};
 }
 
 // The dots of a laser join the bundle. Without beams the cameras remain.
@@ -144,15 +146,16 @@ void add_further_measurements(const CalibrateOptions& options, const BundleOptio
                               BundleState& state, CalibrationResult& result,
                               std::vector<std::optional<CornerEvidence>>& evidence) {
   double corner_scale = std::sqrt(result.variance_factor);
-  std::vector<Rigid3> target_from_local;
-  if (problem.survey) target_from_local = add_survey(options, bundle, corner_scale, problem, state, result);
+  JoinedSurvey survey;
+  if (problem.survey) survey = add_survey(options, bundle, corner_scale, problem, state, result);
   if (problem.laser) try_laser(options, bundle, corner_scale, problem, state, result);
   for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
     evidence.push_back(corner_evidence(problem, state, c));
   }
+  std::ranges::copy(survey.warnings, std::back_inserter(result.warnings));
   if (!result.survey) return;
-  fill_residuals(problem, state, target_from_local, result.survey->images);
-  leave_out_landmarks(target_from_local.size(), problem, state);
+  fill_residuals(problem, state, survey.target_from_local, result.survey->images);
+  leave_out_landmarks(survey.target_from_local.size(), problem, state);
 }
 
 }  // namespace raybundle

@@ -203,7 +203,7 @@ SurveyImage image_of(const Camera& camera, const std::string& image, std::vector
   };
   judge();
   // The worst one first: it may be what makes others look bad.
-  for (std::size_t left_out = 0; left_out * 4 < pairs.size(); ++left_out) {
+  for (std::size_t left_out = 0; 4 * (left_out + 1) <= pairs.size(); ++left_out) {
     const auto worst = std::ranges::max_element(result.landmarks, {}, [](const LandmarkResidual& l) {
       return l.used ? (std::isnan(l.sigmas) ? INFINITY : l.sigmas) : 0.0;
     });

@@ -68,13 +68,16 @@ std::map<std::string, int> sightings_of_landmark(const std::vector<SurveyImage>&
 ///
 /// @return  target_from_local
 Rigid3 add_frame(const std::vector<const SurveyImage*>& images, const Survey& survey,
-                 const std::map<std::string, int>& times_seen, CalibrationProblem& problem, BundleState& state) {
+                 const std::map<std::string, int>& times_seen, CalibrationProblem& problem, BundleState& state,
+                 std::vector<std::vector<double>>& own_sigmas_px) {
   const auto camera_of = [&](const SurveyImage& image) {
     const auto found = std::ranges::find(problem.cameras, image.camera, &ProblemCamera::name);
     return static_cast<int>(found - problem.cameras.begin());
   };
+  // A camera that sees directions only does not know where the rig is.
   const SurveyImage& best = **std::ranges::max_element(images, {}, [](const SurveyImage* image) {
-    return std::ranges::count(image->landmarks, true, &LandmarkResidual::used);
+    return std::pair(!std::isnan(image->pose_sigma[3]),
+                     std::ranges::count(image->landmarks, true, &LandmarkResidual::used));
   });
   const Rigid3 rig_from_local = state.camera_from_rig[camera_of(best)].inverse() * best.camera_from_local;
 
@@ -83,13 +86,19 @@ Rigid3 add_frame(const std::vector<const SurveyImage*>& images, const Survey& su
   Target target{best.image, {}, {}};
   for (std::size_t i = 0; i < survey.landmarks.size(); ++i) {
     const Landmark& landmark = survey.landmarks[i];
+    const bool shown = std::ranges::any_of(images, [&](const SurveyImage* image) {
+      return std::ranges::find(image->landmarks, landmark.name, &LandmarkResidual::landmark) != image->landmarks.end();
+    });
+    if (!shown) continue;
     const Eigen::Vector3d x = landmark.infinitely_far ? Eigen::Vector3d(rig_from_local.rotation * landmark.x_in_local)
                                                       : rig_from_local * landmark.x_in_local;
     target.points.push_back({static_cast<int>(i), x, landmark.infinitely_far});
   }
   for (const SurveyImage* image : images) {
     TargetView view{camera_of(*image), frame, target_index, {}, image->image, {}};
+    std::vector<double>& own_px = own_sigmas_px.emplace_back();
     for (const LandmarkResidual& seen : image->landmarks) {
+      own_px.push_back(seen.own_sigma_px);
       const auto landmark = std::ranges::find(survey.landmarks, seen.landmark, &Landmark::name);
       const double sighting_variance = std::pow(survey.sighting_sigma_px, 2);
       const double of_landmark = std::pow(seen.own_sigma_px, 2) - sighting_variance;
@@ -107,25 +116,45 @@ Rigid3 add_frame(const std::vector<const SurveyImage*>& images, const Survey& su
   return rig_from_local;
 }
 
-/// Marks sightings that are off by more than the limit. False when no mark changed.
-bool mark_outliers(const CalibrationProblem& problem, std::size_t first_view, BundleState& state) {
+/// Whether a view's sightings hold its pose: four points do, or two directions and no point.
+bool hold_a_pose(const CalibrationProblem& problem, const TargetView& view, const std::vector<ObservationFate>& fates) {
+  int points = 0, directions = 0;
+  for (std::size_t i = 0; i < fates.size(); ++i) {
+    if (fates[i] != ObservationFate::kUsed) continue;
+    const bool far = problem.targets[view.target].find(view.observations[i].point_id)->infinitely_far;
+    ++(far ? directions : points);
+  }
+  return points >= 4 || (points == 0 && directions >= 2);
+}
+
+/// Marks sightings that are off by more than the limit, and sets images aside that keep too few. False when no mark
+/// changed.
+///
+/// @param own_sigmas_px  of sighting and landmark, by added view and observation
+bool mark_outliers(const CalibrationProblem& problem, const std::vector<std::vector<double>>& own_sigmas_px,
+                   BundleState& state) {
   constexpr double kOutlierSigmas = 4.0;
   const std::vector<std::vector<ObservationFate>> before = state.fates;
+  const std::size_t first_view = problem.views.size() - own_sigmas_px.size();
   for (std::size_t v = first_view; v < problem.views.size(); ++v) {
+    if (state.pose_of_view[v] < 0) continue;
     const std::vector<Eigen::Vector2d> residuals = view_residuals(problem, state, static_cast<int>(v));
     for (std::size_t i = 0; i < residuals.size(); ++i) {
-      const double sigmas = residuals[i].norm() / problem.views[v].observations[i].sigma_px;
+      const double sigmas = residuals[i].norm() / own_sigmas_px[v - first_view][i];
       state.fates[v][i] = std::isnan(sigmas)         ? ObservationFate::kUnprojectable
                           : sigmas <= kOutlierSigmas ? ObservationFate::kUsed
                                                      : ObservationFate::kOutlier;
     }
+    if (hold_a_pose(problem, problem.views[v], state.fates[v])) continue;
+    state.pose_of_view[v] = -1;
+    std::ranges::fill(state.fates[v], ObservationFate::kViewSetAside);
   }
   return state.fates != before;
 }
 
 /// First with a robust loss, then least squares while sightings come and go.
-BundleSummary solve_all(const CalibrationProblem& problem, std::size_t first_view, const CalibrateOptions& options,
-                        const BundleOptions& bundle, BundleState& state) {
+BundleSummary solve_all(const CalibrationProblem& problem, const std::vector<std::vector<double>>& own_sigmas_px,
+                        const CalibrateOptions& options, const BundleOptions& bundle, BundleState& state) {
   constexpr int kMaxRounds = 8;
   BundleOptions plain = bundle;
   plain.threads = options.threads;
@@ -134,10 +163,21 @@ BundleSummary solve_all(const CalibrationProblem& problem, std::size_t first_vie
   robust.robust_scale_sigma = options.robust_scale_sigma;
   BundleSummary summary = solve_bundle(problem, state, robust);
   for (int round = 0; round < kMaxRounds && summary.termination != Termination::kFailed; ++round) {
-    if (!mark_outliers(problem, first_view, state) && round > 0) break;
+    if (!mark_outliers(problem, own_sigmas_px, state) && round > 0) break;
     summary = solve_bundle(problem, state, plain);
   }
   return summary;
+}
+
+void tell_images_set_aside(std::size_t first_view, SurveySolve& solve) {
+  for (std::size_t v = first_view; v < solve.problem.views.size(); ++v) {
+    if (solve.state.pose_of_view[v] >= 0) continue;
+    const TargetView& view = solve.problem.views[v];
+    const std::string& camera = solve.problem.cameras[view.camera].name;
+    std::erase_if(solve.images, [&](const SurveyImage& i) { return i.image == view.image && i.camera == camera; });
+    solve.not_placed.push_back("the landmarks in " + view.image + " are left out: too few of them fit camera " +
+                               camera + "; are names and coordinates right?");
+  }
 }
 
 }  // namespace
@@ -152,15 +192,17 @@ SurveySolve solve_with_landmarks(const CalibrationProblem& problem, const Bundle
   const std::map<std::string, int> times_seen = sightings_of_landmark(solve.images);
   std::map<std::string, std::vector<const SurveyImage*>> moments;
   for (const SurveyImage& image : solve.images) moments[image.image].push_back(&image);
+  std::vector<std::vector<double>> own_sigmas_px;
   for (const auto& [moment, images] : moments) {
-    solve.target_from_local.push_back(add_frame(images, survey, times_seen, solve.problem, solve.state));
+    solve.target_from_local.push_back(add_frame(images, survey, times_seen, solve.problem, solve.state, own_sigmas_px));
   }
   mark_projectable(solve.problem, solve.state);
-  solve.summary = solve_all(solve.problem, problem.views.size(), options, bundle, solve.state);
+  solve.summary = solve_all(solve.problem, own_sigmas_px, options, bundle, solve.state);
   if (solve.summary.termination == Termination::kFailed) {
     throw Error(ErrorKind::kSolveFailed, "the bundle adjustment with the landmarks broke down: " +
                                              solve.summary.message + "; calibrate without them to get the cameras");
   }
+  tell_images_set_aside(problem.views.size(), solve);
   return solve;
 }
 

@@ -82,8 +82,11 @@ std::optional<BeamHit> hit_on_board(const ViewGeometry& geometry, const Rigid3& 
 }  // namespace
 
 std::vector<std::vector<bool>> dots_on_boards(const LaserScene& scene) {
-  std::vector<double> margins_m;
-  for (const Target& target : scene.problem.targets) margins_m.push_back(kMargin * spacing_m(target));
+  std::vector<double> margins_m(scene.problem.targets.size(), 0.0);
+  for (const TargetView& view : scene.problem.views) {
+    double& margin_m = margins_m[view.target];
+    if (!view.dots.empty() && margin_m == 0.0) margin_m = kMargin * spacing_m(scene.problem.targets[view.target]);
+  }
   std::vector<std::vector<bool>> on;
   for (int v = 0; v < static_cast<int>(scene.problem.views.size()); ++v) {
     const TargetView& view = scene.problem.views[v];

@@ -143,18 +143,19 @@ void check_landmarks(const CalibrationProblem& problem) {
     if (!names.insert(landmark.name).second) refuse("stands twice", where);
     if (!landmark.x_in_local.allFinite() || !(landmark.sigma >= 0)) refuse("has no finite place or sigma", where);
   }
+  std::set<std::tuple<std::string, std::string, std::string>> seen;
   for (const Sighting& sighting : survey.sightings) {
     const std::string where = "sighting of " + sighting.landmark + " in " + sighting.image;
     if (!names.contains(sighting.landmark)) refuse("the landmark is not among the surveyed ones", where);
     if (!sighting.pixel.allFinite()) refuse("has a pixel that is not a finite number", where);
-    if (sighting.camera.empty()
-            ? problem.cameras.size() == 1
-            : std::ranges::find(problem.cameras, sighting.camera, &ProblemCamera::name) != problem.cameras.end()) {
-      continue;
+    if (sighting.camera.empty() && problem.cameras.size() > 1) {
+      refuse("with several cameras each sighting must name its camera; add a column 'camera'", where);
     }
-    refuse(sighting.camera.empty() ? "with several cameras each sighting must name its camera; add a column 'camera'"
-                                   : "there is no camera '" + sighting.camera + "'",
-           where);
+    const std::string& camera = sighting.camera.empty() ? problem.cameras.front().name : sighting.camera;
+    if (std::ranges::find(problem.cameras, camera, &ProblemCamera::name) == problem.cameras.end()) {
+      refuse("there is no camera '" + camera + "'", where);
+    }
+    if (!seen.emplace(sighting.image, sighting.landmark, camera).second) refuse("stands twice", where);
   }
 }
 

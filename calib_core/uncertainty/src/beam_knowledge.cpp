@@ -46,7 +46,7 @@ double dot_sigma(const CalibrationProblem& problem, const CalibrationResult& res
     for (const Dot& dot : view.dots) sigmas.push_back(std::sqrt(0.5 * dot.covariance_px2.trace()));
   }
   if (sigmas.empty() || !result.laser) return 0.0;
-  return median(sigmas) * result.laser->sigma_scale * std::sqrt(result.variance_factor);
+  return median(sigmas) * result.laser->sigma_scale;
 }
 
 BeamMatrices imagined_dots(const Calibration& calibration, int target, const Rigid3& rig_from_target, double sigma_px) {

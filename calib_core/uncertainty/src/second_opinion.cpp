@@ -56,9 +56,14 @@ struct Counterpart {
 
 Counterpart counterpart_of(const CalibrationProblem& problem, const CalibrationResult& first) {
   const bool twisted = first.calibration.targets[first.poses[0].target].shape.twist_m != 0.0;
-  if (!twisted && !first.laser) return {first.calibration, {}};
+  if (!twisted && !first.laser && !first.survey) return {first.calibration, {}};
+  std::string without;
+  for (const auto& [there, what] : {std::pair{twisted, "the board's twist"}, std::pair{first.laser.has_value(), "dots"},
+                                    std::pair{first.survey.has_value(), "landmarks"}}) {
+    if (there) without += (without.empty() ? "" : " and ") + std::string(what);
+  }
   return {as_mrcal_solves(problem, first),
-          "held against our solve of the corners without the board's twist, which mrcal does not know"};
+          "held against our solve of the corners without " + without + ", which mrcal does not get"};
 }
 
 // Some percent away: mrcal has to find the optimum itself, and nothing is degenerate as without distortion.

@@ -154,7 +154,14 @@ SecondOpinion splined_opinion(const MrcalProblem& request, const Calibration& fi
       return projection_difference(first.cameras[c], first.covariance, lens, ComparisonOptions{}.columns);
     };
     const ProjectionDifference method = difference_of((*exact)[c]);
-    opinion.comparison->projections.push_back(less(difference_of((*lenses)[c]), method));
+    const ProjectionDifference difference = less(difference_of((*lenses)[c]), method);
+    if (difference.covered_share == 0.0) {
+      opinion.comparison.reset();
+      opinion.why_not =
+          "mrcal's splines see nothing of what the corners of camera " + first.cameras[c].name + " surround";
+      return opinion;
+    }
+    opinion.comparison->projections.push_back(difference);
     most_px = std::max(most_px, method.rms_px);
   }
   opinion.approximation_px = most_px;

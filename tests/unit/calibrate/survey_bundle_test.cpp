@@ -8,6 +8,7 @@
 #include <random>
 
 #include "raybundle/calibrate/calibrate.hpp"
+#include "raybundle/geometry/error.hpp"
 #include "synthetic_world.hpp"
 
 namespace raybundle {
@@ -186,6 +187,40 @@ TEST(SurveyInTheBundle, AWrongSightingAndAnImageThatCannotBePlacedCostNothing) {
   EXPECT_TRUE(std::ranges::any_of(result.warnings,
                                   [](const std::string& w) { return w.find("three of them") != std::string::npos; }));
   EXPECT_LT(drag_sigmas(result.survey->parameters), 4.0);
+}
+
+// The camera that knows where the rig is starts it, although the other one sees more.
+TEST(SurveyInTheBundle, StarsOfOneCameraAndTowersOfTheOther) {
+  SyntheticWorld world = synthetic_world(stereo(0.0, 1));
+  Survey survey = survey_of(world, {});
+  const Survey stars = survey_of(world, {.infinitely_far = true, .seed = 2});
+  const std::string left = world.problem.cameras[0].name;
+  std::erase_if(survey.sightings, [&](const Sighting& s) { return s.camera == left || s.landmark.size() > 5; });
+  for (Landmark landmark : stars.landmarks) {
+    landmark.name = "star" + landmark.name;
+    survey.landmarks.push_back(landmark);
+  }
+  for (Sighting sighting : stars.sightings) {
+    sighting.landmark = "star" + sighting.landmark;
+    if (sighting.camera == left) survey.sightings.push_back(sighting);
+  }
+  world.problem.survey = survey;
+  const CalibrationResult result = calibrate(world.problem);
+  EXPECT_LT(largest_error(result, world), 1e-8);
+  ASSERT_EQ(result.survey->images.size(), 4u);
+  for (const SurveyImage& image : result.survey->images) {
+    EXPECT_LT(image.rms_px, 1e-6) << image.image << image.camera;
+    EXPECT_EQ(std::ranges::count(image.landmarks, false, &LandmarkResidual::used), 0) << image.image << image.camera;
+  }
+}
+
+TEST(SurveyInTheBundle, ARepeatedSightingIsRefused) {
+  SyntheticWorld world = synthetic_world(narrow_boards(0.2, 5));
+  Survey survey = survey_of(world, {});
+  survey.sightings.push_back(survey.sightings[0]);
+  survey.sightings.back().camera.clear();  // there is only one
+  world.problem.survey = survey;
+  EXPECT_THROW(calibrate(world.problem), Error);
 }
 
 TEST(SurveyInTheBundle, ASurveyThatContradictsTheBoardsIsTold) {
