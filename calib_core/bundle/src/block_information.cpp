@@ -53,17 +53,17 @@ void factor_first(Elimination<E, K>& elimination, const BlockSystem& system, int
 
 }  // namespace
 
-std::vector<int> pin_unseen(BlockSystem& system) {
+PinnedDirections pin_unseen(BlockSystem& system) {
+  PinnedDirections pinned;
   for (int p = 0; p < system.poses.blocks(); ++p) {
     Eigen::Matrix<double, 6, 6> own = system.poses.own.middleCols<6>(6 * p);
-    pin<6>(own.diagonal().unaryExpr([](double d) { return d > 0.0 ? std::sqrt(d) : 1.0; }), own);
+    pinned.of_poses += pin<6>(own.diagonal().unaryExpr([](double d) { return d > 0.0 ? std::sqrt(d) : 1.0; }), own);
     system.poses.own.middleCols<6>(6 * p) = own;
   }
-  std::vector<int> pinned;
   BlockFamily<4>& beams = system.shared.beams;
   for (int b = 0; b < beams.blocks(); ++b) {
     Eigen::Matrix4d own = beams.own.middleCols<4>(4 * b);
-    pinned.push_back(pin<4>(Eigen::Vector4d::Ones(), own));
+    pinned.of_beam.push_back(pin<4>(Eigen::Vector4d::Ones(), own));
     beams.own.middleCols<4>(4 * b) = own;
   }
   return pinned;

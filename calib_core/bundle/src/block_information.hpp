@@ -10,12 +10,16 @@
 
 namespace raybundle {
 
+/// How many directions no residual sees.
+struct PinnedDirections {
+  int of_poses = 0;          ///< of all poses together
+  std::vector<int> of_beam;  ///< of each beam that takes part
+};
+
 /// Gives every direction of a pose or a beam that no residual of its own sees, such as the slopes of a beam with one
 /// dot, an information of its own. These directions have nothing in common with any other unknown, so that nothing
 /// else changes, but the equations can be factored without damping.
-///
-/// @return  number of such directions of each beam
-std::vector<int> pin_unseen(BlockSystem& system);
+PinnedDirections pin_unseen(BlockSystem& system);
 
 /// What the equations say of the parameters when poses and beams may follow freely. Both triangles.
 Eigen::MatrixXd parameter_information(const BlockSystem& system, Workers& workers);

@@ -88,7 +88,7 @@ void for_each_pose(const CalibrationProblem& problem, const BundleState& state, 
 struct BeamSystem {
   NormalEquations equations;
   Linearization here;
-  std::vector<int> pinned;  // directions of each beam that takes part
+  PinnedDirections pinned;
 
   BeamSystem(const CalibrationProblem& problem, const BundleState& state, const BundleOptions& options)
       : equations(problem, state, options) {
@@ -111,9 +111,9 @@ ReducedInformation information_with_beams(BeamSystem& at, const BundleOptions& o
   for (const ViewData& view : equations.views()) result.residuals += 2 * static_cast<int>(view.pixel.rows());
   for (const ViewDots& view : equations.dots()) result.residuals += 2 * static_cast<int>(view.dots.size());
   for (const PriorResidual& prior : at.here.priors) result.residuals += static_cast<int>(prior.residual.size());
-  result.parameters = system.parameters() + 6 * system.poses.blocks();
-  for (std::size_t b = 0; b < at.pinned.size(); ++b) {
-    result.parameters += 4 - at.pinned[b];
+  result.parameters = system.parameters() + 6 * system.poses.blocks() - at.pinned.of_poses;
+  for (std::size_t b = 0; b < at.pinned.of_beam.size(); ++b) {
+    result.parameters += 4 - at.pinned.of_beam[b];
     if (options.beam_priors.empty()) continue;
     const std::optional<BeamPrior>& prior = options.beam_priors[equations.beams()[b]];
     if (prior) result.residuals += rank(prior->information);
@@ -183,7 +183,7 @@ std::vector<std::optional<BeamCovariance>> beam_covariances(const CalibrationPro
   BeamSystem at(problem, state, options);
   const std::vector<BeamCovariance> covariances = marginal_beams(at.here.system, at.equations.workers());
   for (std::size_t b = 0; b < covariances.size(); ++b) {
-    if (at.pinned[b] == 0) result[at.equations.beams()[b]] = covariances[b];
+    if (at.pinned.of_beam[b] == 0) result[at.equations.beams()[b]] = covariances[b];
   }
   return result;
 }
