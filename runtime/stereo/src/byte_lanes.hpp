@@ -10,8 +10,7 @@
 #include <immintrin.h>
 #endif
 
-// Bytes that are worked on together: 32 in plain C++ and with AVX2, 64 with AVX-512. The same operations, the same
-// bits.
+// 32 bytes that are worked on together, in plain C++ and with AVX2: the same operations, the same bits.
 
 namespace raybundle {
 
@@ -132,44 +131,6 @@ struct Avx2Bytes {
   friend std::uint32_t equal_lanes(Avx2Bytes a, Avx2Bytes b) {
     return static_cast<std::uint32_t>(_mm256_movemask_epi8(_mm256_cmpeq_epi8(a.lane, b.lane)));
   }
-};
-#endif
-
-#if defined(__AVX512BW__)
-struct Avx512Bytes {
-  static constexpr int kCount = 2 * kLanes;
-  __m512i lane;
-
-  static Avx512Bytes load(const std::uint8_t* from) { return {_mm512_loadu_si512(from)}; }
-  static Avx512Bytes all(std::uint8_t value) { return {_mm512_set1_epi8(static_cast<char>(value))}; }
-  void store(std::uint8_t* to) const { _mm512_storeu_si512(to, lane); }
-
-  friend Avx512Bytes add(Avx512Bytes a, Avx512Bytes b) { return {_mm512_adds_epu8(a.lane, b.lane)}; }
-  friend Avx512Bytes subtract(Avx512Bytes a, Avx512Bytes b) { return {_mm512_sub_epi8(a.lane, b.lane)}; }
-  friend Avx512Bytes least(Avx512Bytes a, Avx512Bytes b) { return {_mm512_min_epu8(a.lane, b.lane)}; }
-  friend Avx512Bytes most(Avx512Bytes a, Avx512Bytes b) { return {_mm512_max_epu8(a.lane, b.lane)}; }
-  friend Avx512Bytes quarter(Avx512Bytes a) {
-    return {_mm512_and_si512(_mm512_srli_epi16(a.lane, 2), _mm512_set1_epi8(63))};
-  }
-  friend Avx512Bytes operator|(Avx512Bytes a, Avx512Bytes b) { return {_mm512_or_si512(a.lane, b.lane)}; }
-  static Avx512Bytes difference(Avx512Bytes a, Avx512Bytes b, const NibbleCosts& costs) {
-    const __m512i table = _mm512_broadcast_i32x4(_mm_loadu_si128(reinterpret_cast<const __m128i*>(costs.data())));
-    return {_mm512_shuffle_epi8(table, _mm512_xor_si512(a.lane, b.lane))};
-  }
-  static Avx512Bytes shifted_up(Avx512Bytes before, Avx512Bytes a) {
-    return {_mm512_alignr_epi8(a.lane, _mm512_alignr_epi64(a.lane, before.lane, 6), 15)};
-  }
-  static Avx512Bytes shifted_down(Avx512Bytes a, Avx512Bytes behind) {
-    return {_mm512_alignr_epi8(_mm512_alignr_epi64(behind.lane, a.lane, 2), a.lane, 1)};
-  }
-  Avx512Bytes spread_least() const {
-    const __m256i half = _mm256_min_epu8(_mm512_castsi512_si256(lane), _mm512_extracti64x4_epi64(lane, 1));
-    __m128i quarter = _mm_min_epu8(_mm256_castsi256_si128(half), _mm256_extracti128_si256(half, 1));
-    quarter = _mm_minpos_epu16(_mm_min_epu8(quarter, _mm_srli_epi16(quarter, 8)));
-    return {_mm512_broadcastb_epi8(quarter)};
-  }
-  std::uint8_t first() const { return static_cast<std::uint8_t>(_mm_cvtsi128_si32(_mm512_castsi512_si128(lane))); }
-  friend std::uint64_t equal_lanes(Avx512Bytes a, Avx512Bytes b) { return _mm512_cmpeq_epi8_mask(a.lane, b.lane); }
 };
 #endif
 

@@ -8,12 +8,10 @@ namespace raybundle {
 
 #if defined(RAYBUNDLE_STEREO_X86)
 const RowKernels& row_kernels_avx2();
-const RowKernels& row_kernels_avx512();
 #endif
 
 const RowKernels& row_kernels(Simd simd) {
 #if defined(RAYBUNDLE_STEREO_X86)
-  if (simd == Simd::kAvx512) return row_kernels_avx512();
   if (simd == Simd::kAvx2) return row_kernels_avx2();
 #else
   static_cast<void>(simd);

@@ -6,14 +6,13 @@ namespace raybundle {
 
 bool has(Simd simd) {
 #if defined(__x86_64__)
-  if (simd == Simd::kAvx512) return __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
   if (simd == Simd::kAvx2) return __builtin_cpu_supports("avx2");
 #endif
   return simd == Simd::kNone;
 }
 
 Simd best_simd() {
-  static const Simd best = has(Simd::kAvx512) ? Simd::kAvx512 : has(Simd::kAvx2) ? Simd::kAvx2 : Simd::kNone;
+  static const Simd best = has(Simd::kAvx2) ? Simd::kAvx2 : Simd::kNone;
   return best;
 }
 

@@ -5,7 +5,7 @@
 namespace raybundle {
 
 /// Which instructions the loops use. All give the same bits.
-enum class Simd : unsigned char { kNone, kAvx2, kAvx512 };
+enum class Simd : unsigned char { kNone, kAvx2 };
 
 /// Whether this machine has them.
 bool has(Simd simd);
