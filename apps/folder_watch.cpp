@@ -63,6 +63,8 @@ void look(const fs::path& folder, std::map<fs::path, WatchedFile>& files) {
   if (gone) throw Error(ErrorKind::kIo, "is no folder to watch; make it first", folder.string());
   for (const auto& entry : entries) {
     if (!is_image(entry.path())) continue;
+    const auto known = files.find(entry.path());
+    if (known != files.end() && known->second.done) continue;
     const auto size = entry.file_size(gone);
     const auto time = gone ? fs::file_time_type{} : entry.last_write_time(gone);
     if (gone) continue;

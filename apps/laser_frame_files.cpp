@@ -7,6 +7,7 @@
 
 #include "laser_page.hpp"
 #include "mesh_files.hpp"
+#include "page_text.hpp"
 #include "raybundle/geometry/error.hpp"
 
 namespace raybundle::apps {
@@ -90,10 +91,7 @@ LaserFrameFiles laser_frame_files(const LaserFrame& frame, const SensorTable& ta
   const PointMesh mesh = mesh_of(frame, table);
   std::vector<std::uint8_t> jpeg;
   if (!cv::imencode(".jpg", grey, jpeg)) throw Error(ErrorKind::kIo, "cannot be shown on a page", image);
-  const auto text = [&json](int indent) {  // a path may hold bytes that are no UTF-8
-    return json.dump(indent, ' ', false, Json::error_handler_t::replace);
-  };
-  return {text(1), ply_from(mesh), glb_from(mesh), laser_page(text(-1), jpeg)};
+  return {text_of_json(json, 1), ply_from(mesh), glb_from(mesh), laser_page(text_of_json(json), jpeg)};
 }
 
 }  // namespace raybundle::apps

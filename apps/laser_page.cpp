@@ -4,6 +4,8 @@
 
 #include <string_view>
 
+#include "page_text.hpp"
+
 namespace raybundle::apps {
 namespace {
 
@@ -124,31 +126,10 @@ addEventListener('resize', draw); draw();
 </script></html>
 )";
 
-std::string base64(const std::vector<std::uint8_t>& bytes) {
-  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t word = static_cast<std::uint32_t>(bytes[i]) << 16;
-    if (i + 1 < bytes.size()) word |= static_cast<std::uint32_t>(bytes[i + 1]) << 8;
-    if (i + 2 < bytes.size()) word |= bytes[i + 2];
-    for (int digit = 0; digit < 4; ++digit) {
-      text += i + digit <= bytes.size() ? kDigits[word >> (18 - 6 * digit) & 63] : '=';
-    }
-  }
-  return text;
-}
-
-// No tag begins within the data: a path may hold anything.
-std::string without_tags(const std::string& json) {
-  std::string text;
-  for (const char c : json) c == '<' ? text += "\\u003c" : text += c;
-  return text;
-}
-
 }  // namespace
 
 std::string laser_page(const std::string& json, const std::vector<std::uint8_t>& jpeg) {
-  return std::string(kBegin) + without_tags(json) + std::string(kMiddle) + base64(jpeg) + std::string(kEnd);
+  return std::string(kBegin) + json_for_script(json) + std::string(kMiddle) + base64(jpeg) + std::string(kEnd);
 }
 
 }  // namespace raybundle::apps

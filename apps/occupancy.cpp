@@ -8,10 +8,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "laser_frame_files.hpp"
 #include "occupancy_evaluation.hpp"
 #include "occupancy_input.hpp"
 #include "occupancy_learning.hpp"
 #include "occupancy_page.hpp"
+#include "page_text.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/occupancy/case_base_file.hpp"
 #include "raybundle/scene/atomic_file.hpp"
@@ -67,7 +69,7 @@ void run_learn(Flags flags) {
   const CaseBase base = learn(simulated_cases(flags.learning), flags.learn);
   write_file_whole(flags.output, bytes_from_case_base(base));
   if (flags.json) {
-    fmt::print("{}\n", nlohmann::ordered_json{{"base", flags.output}, {"cases", base.classes.size()}}.dump());
+    fmt::print("{}\n", text_of_json(nlohmann::ordered_json{{"base", flags.output}, {"cases", base.classes.size()}}));
     return;
   }
   fmt::print("learnt {} cases of {} scenes, attributes {}\nwrote {}\nnext  raybundle occupancy evaluate {}\n",
@@ -98,12 +100,8 @@ std::string name_of(AirbagAction action) {
   return kNames[static_cast<std::size_t>(action)];
 }
 
-std::string name_of(State state) {
-  return state == State::kOk ? "OK" : state == State::kDegraded ? "DEGRADED" : "INVALID";
-}
-
 nlohmann::ordered_json json_of(const std::string& file, const Occupancy& answer, const CaseBase& base) {
-  nlohmann::ordered_json json{{"file", file}, {"state", name_of(answer.state)}, {"airbag", name_of(answer.action)}};
+  nlohmann::ordered_json json{{"file", file}, {"state", state_name(answer.state)}, {"airbag", name_of(answer.action)}};
   json["group"] = answer.group < 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(base.group_names[answer.group]);
   json["class"] =
       answer.situation < 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(base.situations[answer.situation].name);
@@ -154,17 +152,16 @@ void run_classify(const Flags& flags) {
       shown.push_back(frames.back());
       shown.back()["points"] = json_of(frame.points);
     }
-    rows.push_back({file, name_of(answer.state), name_of(answer.action),
+    rows.push_back({file, state_name(answer.state), name_of(answer.action),
                     answer.group < 0 ? "unsure" : base.group_names[answer.group],
                     answer.situation < 0 ? "unknown" : base.situations[answer.situation].name,
                     answer.zones.anything ? fmt::format("{:.3f}", answer.zones.distance_m) : "-"});
   }
   if (!flags.page.empty()) {
     const nlohmann::ordered_json page{{"vehicle", json_of(sensor.layout)}, {"frames", shown}};
-    write_file_whole(flags.page, occupancy_page(page.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)));
+    write_file_whole(flags.page, occupancy_page(text_of_json(page)));
   }
-  flags.json ? fmt::print("{}\n", nlohmann::ordered_json{{"frames", frames}}.dump(
-                                      2, ' ', false, nlohmann::json::error_handler_t::replace))
+  flags.json ? fmt::print("{}\n", text_of_json(nlohmann::ordered_json{{"frames", frames}}, 2))
              : fmt::print("{}", text_table(rows));
 }
 

@@ -4,6 +4,8 @@
 
 #include <string_view>
 
+#include "page_text.hpp"
+
 namespace raybundle::apps {
 namespace {
 
@@ -93,17 +95,10 @@ show(0);
 </script></html>
 )";
 
-// No tag begins within the data: a path may hold anything.
-std::string without_tags(const std::string& json) {
-  std::string text;
-  for (const char c : json) c == '<' ? text += "\\u003c" : text += c;
-  return text;
-}
-
 }  // namespace
 
 std::string occupancy_page(const std::string& json) {
-  return std::string(kBegin) + without_tags(json) + std::string(kEnd);
+  return std::string(kBegin) + json_for_script(json) + std::string(kEnd);
 }
 
 }  // namespace raybundle::apps

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "previews.hpp"
 
-#include <openssl/evp.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -14,6 +12,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "image_files.hpp"
+#include "page_text.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/stereo/rectification.hpp"
 
@@ -26,14 +25,6 @@ constexpr int kWidth_px = 560;  // of a picture
 constexpr int kMostRectified_px = 900;
 constexpr int kWorstViews = 3;        // of each camera
 constexpr double kWidestHalf = 1.05;  // [rad] 60°: beyond, a plane stretches more than it shows
-
-std::string base64(const std::vector<uchar>& bytes) {
-  std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');
-  const int size =
-      EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), bytes.data(), static_cast<int>(bytes.size()));
-  text.resize(static_cast<std::size_t>(size));
-  return text;
-}
 
 Json picture(const char* kind, const std::string& camera, const std::string& frame, const cv::Mat& image) {
   std::vector<uchar> bytes;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report_page.hpp"
 
+#include "page_text.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "report_parts.hpp"
 
@@ -20,10 +21,6 @@ std::string replaced(std::string_view text, char what, std::string_view by) {
   }
   return result;
 }
-
-// "</script>" in a file name would end the element. In JSON "<" is always within a string, where it has another
-// spelling.
-std::string json_for_script(std::string_view json) { return replaced(json, '<', "\\u003c"); }
 
 std::string text_for_attribute(std::string_view text) {
   return replaced(replaced(replaced(text, '&', "&amp;"), '"', "&quot;"), '<', "&lt;");

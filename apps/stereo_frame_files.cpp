@@ -11,6 +11,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "laser_frame_files.hpp"
+#include "page_text.hpp"
 #include "pose_json.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/quantile.hpp"
@@ -114,12 +115,12 @@ StereoFrameFiles stereo_frame_files(const StereoFrame& frame, const StereoMatche
   }
   json["calibration_sigma_px"] = matcher.calibration_sigma_px();
   json["rectification"] = rectification_json(matcher.rectification());
-  return {png_from(frame.left), png_from(frame.right),
+  return {png_from(frame.left),
+          png_from(frame.right),
           png_of_values(frame, [&](int u, int v) { return 256.0 * frame.disparity.disparity_px.at(u, v); }),
           png_of_values(frame, [&](int u, int v) { return 1000.0 * depth_of(frame.points.at(u, v), projection); }),
           ply_from(frame, static_cast<int>(depths.size())),
-          // a path may hold bytes that are no UTF-8
-          json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"};
+          text_of_json(json, 1) + "\n"};
 }
 
 }  // namespace raybundle::apps

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stereo_page.hpp"
 
-#include <openssl/evp.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +10,7 @@
 #include <string_view>
 
 #include "laser_frame_files.hpp"
+#include "page_text.hpp"
 #include "raybundle/geometry/quantile.hpp"
 
 namespace raybundle::apps {
@@ -98,10 +97,7 @@ std::string picture(const char* kind, cv::Mat image) {
   if (scale < 1.0) cv::resize(image, image, {}, scale, scale, cv::INTER_NEAREST);
   std::vector<unsigned char> bytes;
   cv::imencode(kind, image, bytes);
-  std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');  // with the 0 that is written behind it
-  EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), bytes.data(), static_cast<int>(bytes.size()));
-  text.pop_back();
-  return text;
+  return base64(bytes);
 }
 
 template <typename Value>
@@ -151,10 +147,7 @@ nlohmann::json stereo_page_frame(const std::string& name, const StereoFrame& fra
 }
 
 std::string stereo_page(const nlohmann::json& frames) {
-  std::string json;
-  const std::string text = frames.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  for (const char c : text) c == '<' ? json += "\\u003c" : json += c;  // no tag begins within the data
-  return std::string(kBegin) + json + std::string(kEnd);
+  return std::string(kBegin) + json_for_script(text_of_json(frames)) + std::string(kEnd);
 }
 
 }  // namespace raybundle::apps

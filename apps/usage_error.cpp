@@ -36,22 +36,21 @@ std::string no_such_flag(const CLI::App& verb, const std::string& command, const
 
 std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
   const auto parsed = [](const CLI::App* verb) { return verb->parsed(); };
-  std::vector<const CLI::App*> verbs = app.get_subcommands(parsed);
+  const std::vector<const CLI::App*> verbs = app.get_subcommands(parsed);
   const std::vector<std::string> unknown = app.remaining(true);
   if (verbs.empty()) return no_such_verb(app, unknown.empty() ? "" : unknown.front());
-  std::string command = "raybundle " + verbs.front()->get_name();
-  // Some verbs have verbs of their own.
-  for (auto below = verbs.front()->get_subcommands(parsed); !below.empty();
-       below = verbs.front()->get_subcommands(parsed)) {
-    verbs = below;
-    command += " " + verbs.front()->get_name();
+  std::string command = "raybundle";
+  const CLI::App* verb = nullptr;
+  for (auto below = verbs; !below.empty();
+       below = verb->get_subcommands(parsed)) {  // some verbs have verbs of their own
+    verb = below.front();
+    command += " " + verb->get_name();
   }
-  const CLI::App& verb = *verbs.front();
   if (error.get_exit_code() != static_cast<int>(CLI::ExitCodes::ExtrasError) || unknown.empty()) {
     return fmt::format("{}: {}; see `{} --help`", command, error.what(), command);
   }
   const std::string& word = unknown.front();
-  if (word.starts_with('-')) return no_such_flag(verb, command, word);
+  if (word.starts_with('-')) return no_such_flag(*verb, command, word);
   return fmt::format("{} does not know what to do with {}; patterns of images stand in quotes, as in left='left*.jpg'",
                      command, in_quotes(word));
 }
