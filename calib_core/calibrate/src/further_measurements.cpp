@@ -119,8 +119,11 @@ void fill_covariance(const CalibrationProblem& problem, const BundleState& state
   result.calibration.covariance = known.covariance;
   result.variance_factor = known.variance_factor;
   const std::vector<FrameInformation> frames = information_by_frame(problem, state, options);
-  result.calibration.covariance_by_frame =
-      covariance_by_frame(information, frames, repeated_errors(problem, state, options, information.names));
+  result.calibration.covariance_by_frame.reset();
+  if (static_cast<int>(frames.size()) >= kFewestFrames) {
+    result.calibration.covariance_by_frame =
+        covariance_by_frame(information, frames, repeated_errors(problem, state, options, information.names));
+  }
   if (result.calibration.covariance_by_frame) {
     const auto warning = frame_scatter_warning(known.covariance, *result.calibration.covariance_by_frame,
                                                static_cast<int>(frames.size()));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "raybundle/calibrate/survey.hpp"
 #include "raybundle/geometry/error.hpp"
@@ -28,24 +29,23 @@ Calibration calibration_of(const CalibrationProblem& problem, const BundleState&
 /// Every camera in every image, by itself: one that cannot be placed costs nobody else.
 std::vector<SurveyImage> place_images(const Calibration& calibration, const Survey& survey,
                                       std::vector<std::string>& not_placed) {
-  std::map<std::pair<std::string, std::string>, Survey> parts;  // by image and camera
+  std::map<std::pair<std::string, std::string>, std::vector<Sighting>> parts;  // by image and camera
   const bool one_camera = calibration.cameras.size() == 1;
   for (const Sighting& sighting : survey.sightings) {
     const std::string camera = sighting.camera.empty() && one_camera ? calibration.cameras[0].name : sighting.camera;
-    Survey& part = parts[{sighting.image, camera}];
-    part.landmarks = survey.landmarks;
-    part.sighting_sigma_px = survey.sighting_sigma_px;
-    part.sightings.push_back(sighting);
+    parts[{sighting.image, camera}].push_back(sighting);
   }
+  Survey part{survey.landmarks, {}, survey.sighting_sigma_px};
   std::vector<SurveyImage> images;
-  for (auto& [place, part] : parts) {
+  for (auto& [place, sightings] : parts) {
     const auto& [image, camera] = place;
     const auto found = std::ranges::find(calibration.cameras, camera, &RigCamera::name);
     if (found == calibration.cameras.end()) {
       not_placed.push_back("the landmarks in " + image + " are left out: camera '" + camera + "' is not calibrated");
       continue;
     }
-    std::ranges::sort(part.sightings, {}, &Sighting::landmark);  // the bits do not depend on the order of the table
+    std::ranges::sort(sightings, {}, &Sighting::landmark);  // the bits do not depend on the order of the table
+    part.sightings = std::move(sightings);
     try {
       images.push_back(check_survey(calibration, *found, part).front());
     } catch (const Error& error) {
@@ -55,12 +55,21 @@ std::vector<SurveyImage> place_images(const Calibration& calibration, const Surv
   return images;
 }
 
-std::map<std::string, int> sightings_of_landmark(const std::vector<SurveyImage>& images) {
-  std::map<std::string, int> count;
-  for (const SurveyImage& image : images) {
-    for (const LandmarkResidual& landmark : image.landmarks) count[landmark.landmark] += landmark.used;
+/// A surveyed landmark's index, and how many sightings of it were used to place images.
+struct SeenLandmark {
+  int index = 0;
+  int used = 0;
+};
+
+std::map<std::string, SeenLandmark> seen_landmarks(const Survey& survey, const std::vector<SurveyImage>& images) {
+  std::map<std::string, SeenLandmark> landmarks;
+  for (std::size_t i = 0; i < survey.landmarks.size(); ++i) {
+    landmarks[survey.landmarks[i].name].index = static_cast<int>(i);
   }
-  return count;
+  for (const SurveyImage& image : images) {
+    for (const LandmarkResidual& seen : image.landmarks) landmarks.at(seen.landmark).used += seen.used;
+  }
+  return landmarks;
 }
 
 /// The images of one moment as a frame, with the landmarks that they show as its target. The target's frame is the
@@ -68,8 +77,8 @@ std::map<std::string, int> sightings_of_landmark(const std::vector<SurveyImage>&
 ///
 /// @return  target_from_local
 Rigid3 add_frame(const std::vector<const SurveyImage*>& images, const Survey& survey,
-                 const std::map<std::string, int>& times_seen, CalibrationProblem& problem, BundleState& state,
-                 std::vector<std::vector<double>>& own_sigmas_px) {
+                 const std::map<std::string, SeenLandmark>& landmarks, CalibrationProblem& problem,
+                 BundleState& state) {
   const auto camera_of = [&](const SurveyImage& image) {
     const auto found = std::ranges::find(problem.cameras, image.camera, &ProblemCamera::name);
     return static_cast<int>(found - problem.cameras.begin());
@@ -83,28 +92,25 @@ Rigid3 add_frame(const std::vector<const SurveyImage*>& images, const Survey& su
 
   const int frame = static_cast<int>(problem.frames.size()), target_index = static_cast<int>(problem.targets.size());
   problem.frames.push_back(best.image);
+  std::set<int> shown;
+  for (const SurveyImage* image : images) {
+    for (const LandmarkResidual& seen : image->landmarks) shown.insert(landmarks.at(seen.landmark).index);
+  }
   Target target{best.image, {}, {}};
-  for (std::size_t i = 0; i < survey.landmarks.size(); ++i) {
+  for (const int i : shown) {
     const Landmark& landmark = survey.landmarks[i];
-    const bool shown = std::ranges::any_of(images, [&](const SurveyImage* image) {
-      return std::ranges::find(image->landmarks, landmark.name, &LandmarkResidual::landmark) != image->landmarks.end();
-    });
-    if (!shown) continue;
     const Eigen::Vector3d x = landmark.infinitely_far ? Eigen::Vector3d(rig_from_local.rotation * landmark.x_in_local)
                                                       : rig_from_local * landmark.x_in_local;
-    target.points.push_back({static_cast<int>(i), x, landmark.infinitely_far});
+    target.points.push_back({i, x, landmark.infinitely_far});
   }
   for (const SurveyImage* image : images) {
     TargetView view{camera_of(*image), frame, target_index, {}, image->image, {}};
-    std::vector<double>& own_px = own_sigmas_px.emplace_back();
     for (const LandmarkResidual& seen : image->landmarks) {
-      own_px.push_back(seen.own_sigma_px);
-      const auto landmark = std::ranges::find(survey.landmarks, seen.landmark, &Landmark::name);
+      const SeenLandmark& landmark = landmarks.at(seen.landmark);
       const double sighting_variance = std::pow(survey.sighting_sigma_px, 2);
       const double of_landmark = std::pow(seen.own_sigma_px, 2) - sighting_variance;
-      const double variance = sighting_variance + std::max(1, times_seen.at(seen.landmark)) * of_landmark;
-      view.observations.push_back(
-          {static_cast<int>(landmark - survey.landmarks.begin()), seen.pixel, std::sqrt(variance)});
+      const double variance = sighting_variance + std::max(1, landmark.used) * of_landmark;
+      view.observations.push_back({landmark.index, seen.pixel, std::sqrt(variance)});
     }
     problem.views.push_back(std::move(view));
     state.fates.emplace_back();  // what is far off as the lens is known now may fit when it is known better
@@ -130,17 +136,16 @@ bool hold_a_pose(const CalibrationProblem& problem, const TargetView& view, cons
 /// Marks sightings that are off by more than the limit, and sets images aside that keep too few. False when no mark
 /// changed.
 ///
-/// @param own_sigmas_px  of sighting and landmark, by added view and observation
-bool mark_outliers(const CalibrationProblem& problem, const std::vector<std::vector<double>>& own_sigmas_px,
-                   BundleState& state) {
+/// @param placed  as the added views and their observations
+bool mark_outliers(const CalibrationProblem& problem, const std::vector<SurveyImage>& placed, BundleState& state) {
   constexpr double kOutlierSigmas = 4.0;
   const std::vector<std::vector<ObservationFate>> before = state.fates;
-  const std::size_t first_view = problem.views.size() - own_sigmas_px.size();
+  const std::size_t first_view = problem.views.size() - placed.size();
   for (std::size_t v = first_view; v < problem.views.size(); ++v) {
     if (state.pose_of_view[v] < 0) continue;
     const std::vector<Eigen::Vector2d> residuals = view_residuals(problem, state, static_cast<int>(v));
     for (std::size_t i = 0; i < residuals.size(); ++i) {
-      const double sigmas = residuals[i].norm() / own_sigmas_px[v - first_view][i];
+      const double sigmas = residuals[i].norm() / placed[v - first_view].landmarks[i].own_sigma_px;
       state.fates[v][i] = std::isnan(sigmas)         ? ObservationFate::kUnprojectable
                           : sigmas <= kOutlierSigmas ? ObservationFate::kUsed
                                                      : ObservationFate::kOutlier;
@@ -153,7 +158,7 @@ bool mark_outliers(const CalibrationProblem& problem, const std::vector<std::vec
 }
 
 /// First with a robust loss, then least squares while sightings come and go.
-BundleSummary solve_all(const CalibrationProblem& problem, const std::vector<std::vector<double>>& own_sigmas_px,
+BundleSummary solve_all(const CalibrationProblem& problem, const std::vector<SurveyImage>& placed,
                         const CalibrateOptions& options, const BundleOptions& bundle, BundleState& state) {
   constexpr int kMaxRounds = 8;
   BundleOptions plain = bundle;
@@ -163,7 +168,7 @@ BundleSummary solve_all(const CalibrationProblem& problem, const std::vector<std
   robust.robust_scale_sigma = options.robust_scale_sigma;
   BundleSummary summary = solve_bundle(problem, state, robust);
   for (int round = 0; round < kMaxRounds && summary.termination != Termination::kFailed; ++round) {
-    if (!mark_outliers(problem, own_sigmas_px, state) && round > 0) break;
+    if (!mark_outliers(problem, placed, state) && round > 0) break;
     summary = solve_bundle(problem, state, plain);
   }
   return summary;
@@ -189,15 +194,14 @@ SurveySolve solve_with_landmarks(const CalibrationProblem& problem, const Bundle
   solve.images = place_images(calibration_of(problem, cameras, known), survey, solve.not_placed);
   if (solve.images.empty()) return solve;
   scale_corners(solve.problem, corner_scale);
-  const std::map<std::string, int> times_seen = sightings_of_landmark(solve.images);
-  std::map<std::string, std::vector<const SurveyImage*>> moments;
+  const std::map<std::string, SeenLandmark> landmarks = seen_landmarks(survey, solve.images);
+  std::map<std::string, std::vector<const SurveyImage*>> moments;  // in the order of solve.images
   for (const SurveyImage& image : solve.images) moments[image.image].push_back(&image);
-  std::vector<std::vector<double>> own_sigmas_px;
   for (const auto& [moment, images] : moments) {
-    solve.target_from_local.push_back(add_frame(images, survey, times_seen, solve.problem, solve.state, own_sigmas_px));
+    solve.target_from_local.push_back(add_frame(images, survey, landmarks, solve.problem, solve.state));
   }
   mark_projectable(solve.problem, solve.state);
-  solve.summary = solve_all(solve.problem, own_sigmas_px, options, bundle, solve.state);
+  solve.summary = solve_all(solve.problem, solve.images, options, bundle, solve.state);
   if (solve.summary.termination == Termination::kFailed) {
     throw Error(ErrorKind::kSolveFailed, "the bundle adjustment with the landmarks broke down: " +
                                              solve.summary.message + "; calibrate without them to get the cameras");

@@ -75,7 +75,8 @@ std::vector<double> beam_sigmas(const Calibration& calibration, const BeamMatric
   std::vector<double> sigmas;
   for (std::size_t b = 0; b < beams.size(); ++b) {
     const double stated = stated_beam_sigma(beams[b], range_m);
-    const double before = own(b, beams[b].covariance), after = own(b, covariances[b]);
+    const double before = own(b, beams[b].covariance);
+    const double after = covariances[b] == beams[b].covariance ? before : own(b, covariances[b]);
     if (!std::isfinite(stated) || !(before > 0.0)) continue;
     const double of_cameras2 = std::max(0.0, stated * stated - before * before);
     sigmas.push_back(std::hypot(std::sqrt(of_cameras2), std::min(stated, before) * after / before));

@@ -195,9 +195,13 @@ std::optional<Eigen::MatrixXd> repeated_errors(const CalibrationProblem& problem
   }
   const Repeats repeats = repeats_among(frames, cell_px);
   if (repeats.correlation == 0.0) return std::nullopt;
-  std::vector<Eigen::MatrixXd> rows;
+  std::vector<bool> paired(frames.size(), false);
+  for (const auto& [a, b] : repeats.pairs) paired[a] = paired[b] = true;
+  std::vector<Eigen::MatrixXd> rows(frames.size());
+  std::size_t frame = 0;
   for (const auto& [pose, views] : by_pose) {
-    rows.push_back(rows_of(problem, state, options.estimate_shape, views, {names, {}}));
+    if (paired[frame]) rows[frame] = rows_of(problem, state, options.estimate_shape, views, {names, {}});
+    ++frame;
   }
   const auto size = static_cast<Eigen::Index>(names.size());
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(size, size);

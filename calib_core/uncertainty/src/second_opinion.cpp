@@ -84,10 +84,13 @@ std::string objection_to_model(const Calibration& first) {
   return {};
 }
 
-SecondOpinion parametric_opinion(MrcalProblem request, const Calibration& first) {
+SecondOpinion parametric_opinion(MrcalProblem request, const CalibrationProblem& problem,
+                                 const CalibrationResult& result) {
   SecondOpinion opinion;
-  opinion.why_not = objection_to_model(first);
+  opinion.why_not = objection_to_model(result.calibration);
   if (!opinion.why_not.empty()) return opinion;
+  const Counterpart counterpart = counterpart_of(problem, result);
+  const Calibration& first = counterpart.calibration;
   request.lens_model = *mrcal_name(first.cameras[0].camera.model);
   opinion.source = "mrcal, " + request.lens_model;
   for (std::size_t c = 0; c < first.cameras.size(); ++c) {
@@ -113,6 +116,7 @@ SecondOpinion parametric_opinion(MrcalProblem request, const Calibration& first)
     second.cameras[c].camera_from_rig = answer->cameras[c].camera_from_rig;
   }
   opinion.comparison = compare(first, second);
+  opinion.remark = counterpart.remark;
   return opinion;
 }
 
@@ -123,11 +127,7 @@ std::vector<SecondOpinion> second_opinions(const CalibrationProblem& problem, co
   none.why_not = mrcal_objection(problem, first);
   if (!none.why_not.empty()) return {none};
   const MrcalProblem request = mrcal_request(problem, first);
-  const Counterpart counterpart = counterpart_of(problem, first);
-  std::vector<SecondOpinion> opinions{parametric_opinion(request, counterpart.calibration),
-                                      splined_opinion(request, first.calibration)};
-  if (opinions[0].comparison) opinions[0].remark = counterpart.remark;
-  return opinions;
+  return {parametric_opinion(request, problem, first), splined_opinion(request, first.calibration)};
 }
 
 }  // namespace raybundle

@@ -142,6 +142,7 @@ SecondOpinion splined_opinion(const MrcalProblem& request, const Calibration& fi
     opinion.why_not = "mrcal's optimiser did not find a solution";
     return opinion;
   }
+  const std::string model = layout.name();
   opinion.comparison.emplace();
   double most_px = 0.0;
   for (std::size_t c = 0; c < first.cameras.size(); ++c) {
@@ -149,7 +150,7 @@ SecondOpinion splined_opinion(const MrcalProblem& request, const Calibration& fi
     const auto difference_of = [&](const MrcalCamera& solved) {
       const Lens lens = [&](const Eigen::Vector3d& ray) -> std::optional<SeenRay> {
         if (!support.surrounds(ray)) return std::nullopt;
-        return mrcal_pixel(layout.name(), solved.parameters, ray);
+        return mrcal_pixel(model, solved.parameters, ray);
       };
       return projection_difference(first.cameras[c], first.covariance, lens, ComparisonOptions{}.columns);
     };

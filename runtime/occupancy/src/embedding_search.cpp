@@ -10,7 +10,6 @@
 namespace raybundle {
 namespace {
 
-constexpr int kBatch = 256;
 constexpr float kRate = 2e-3F;        // of the steps, falling to zero
 constexpr float kFirstPlace = 0.15F;  // the last layer starts so small that every case has neighbours
 
@@ -91,7 +90,7 @@ Embedding embedding_search(const Eigen::MatrixXf& attributes, const std::vector<
   std::mt19937_64 random(search.seed);
   Embedding found = start_of(attributes, search.sizes, random);
   const std::size_t depth = found.layers.size();
-  const Eigen::Index batch = std::min<Eigen::Index>(kBatch, attributes.cols());
+  const Eigen::Index batch = std::min<Eigen::Index>(kEmbeddingBatch, attributes.cols());
   std::vector<Moved> weights(depth), offsets(depth);
   std::vector<Eigen::MatrixXf> values(depth + 1), masks(depth);
   std::vector<int> kinds_of_batch(static_cast<std::size_t>(batch));

@@ -10,6 +10,8 @@
 
 namespace raybundle {
 
+inline constexpr int kEmbeddingBatch = 256;  ///< cases of a step
+
 struct EmbeddingSearch {
   std::vector<int> sizes;  ///< of the layers, the last one that of the space
   int steps = 0;

@@ -51,8 +51,8 @@ double farthest_known(const CaseBase& base, const CaseSpace& space, double share
 
 // Few cases are learnt by heart when they are seen too often.
 int steps_for(Eigen::Index cases) {
-  constexpr Eigen::Index kPasses = 60, kBatch = 256, kLeast = 300;
-  return static_cast<int>(std::max(kLeast, kPasses * cases / kBatch));
+  constexpr Eigen::Index kPasses = 60, kLeast = 300;
+  return static_cast<int>(std::max(kLeast, kPasses * cases / kEmbeddingBatch));
 }
 
 }  // namespace
@@ -72,13 +72,14 @@ CaseBase learn(const LabelledCases& cases, const LearnOptions& options) {
     base.classes.push_back(cases.classes[n]);
     base.actions.push_back(cases.actions[n]);
   }
+  const std::vector<int> kinds = kinds_of(cases);
+  EmbeddingSearch search{.sizes = options.layers,
+                         .steps = std::min(options.steps, steps_for(attributes.cols())),
+                         .decay = options.decay,
+                         .dropout = options.dropout};
   for (int s = 0; s < options.spaces; ++s) {
-    const EmbeddingSearch search{.sizes = options.layers,
-                                 .steps = std::min(options.steps, steps_for(attributes.cols())),
-                                 .decay = options.decay,
-                                 .dropout = options.dropout,
-                                 .seed = static_cast<std::uint64_t>(s) + 1};
-    CaseSpace space{.embedding = embedding_search(attributes, kinds_of(cases), search), .cases = {}};
+    search.seed = static_cast<std::uint64_t>(s) + 1;
+    CaseSpace space{.embedding = embedding_search(attributes, kinds, search), .cases = {}};
     space.cases.resize(space.embedding.size(), static_cast<Eigen::Index>(base.classes.size()));
     for (Eigen::Index n = 0; n < space.cases.cols(); ++n) {
       const EmbeddedPlace place = space.embedding.place(cases.attributes.col(n * every));

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <string>
 
-#include "raybundle/geometry/error.hpp"
+#include "require.hpp"
 
 namespace raybundle {
 namespace {
@@ -16,10 +16,6 @@ namespace {
 constexpr int kNeighbours = 8;   // of a dot: those around it in a grid
 constexpr int kLeastAgreed = 4;  // one more than a plane needs
 constexpr double kSigmaFloorPx = 1e-3;
-
-void require(bool holds, const std::string& message) {
-  if (!holds) throw Error(ErrorKind::kBadInput, message);
-}
 
 const DotFusionOptions& checked(ImageSize size, const DotFusionOptions& options) {
   require(size.width > 0 && size.height > 0, "an image that dots lie in has pixels");

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string>
 
-#include "raybundle/geometry/error.hpp"
+#include "require.hpp"
 
 namespace raybundle {
 namespace {
@@ -15,10 +15,6 @@ namespace {
 constexpr double kLargestFactor = 8.0;     // of a change, when an image says little but too dark or too bright
 constexpr double kBrightPartFactor = 2.0;  // when the median is good and a part of the areas is saturated
 constexpr double kLeastSignalGrey = 1.0;   // what rounding to whole grey values leaves of a signal
-
-void require(bool holds, const std::string& message) {
-  if (!holds) throw Error(ErrorKind::kBadInput, message);
-}
 
 const SensorLimits& checked(const SensorLimits& limits) {
   require(limits.least_shutter_s > 0 && limits.least_shutter_s <= limits.most_shutter_s,

@@ -7,16 +7,12 @@
 #include <vector>
 
 #include "pyramid.hpp"
-#include "raybundle/geometry/error.hpp"
+#include "require.hpp"
 
 namespace raybundle {
 namespace {
 
 constexpr int kLeastSide = 16;
-
-void require(bool holds, const std::string& message) {
-  if (!holds) throw Error(ErrorKind::kBadInput, message);
-}
 
 const MatchOptions& checked(ImageSize size, const MatchOptions& options) {
   require(options.coarse_levels >= 0 && options.coarse_levels <= 6, "the number of coarse levels is from 0 to 6");
@@ -61,13 +57,10 @@ Matcher& Matcher::operator=(Matcher&&) noexcept = default;
 DisparityView Matcher::match(GreyView left, GreyView right, const std::uint8_t* left_covered,
                              const std::uint8_t* right_covered) {
   std::vector<PyramidLevel>& levels = data_->levels;
-  for (std::size_t k = 1; k < levels.size(); ++k) {
-    if (k == 1) {
-      levels[k].halve(left, right, left_covered, right_covered);
-    } else {
-      const auto& [fine_left, fine_right] = std::pair(&levels[k - 1].left(), &levels[k - 1].right());
-      levels[k].halve(fine_left->view(), fine_right->view(), fine_left->covered.data(), fine_right->covered.data());
-    }
+  if (levels.size() > 1) levels[1].halve(left, right, left_covered, right_covered);
+  for (std::size_t k = 2; k < levels.size(); ++k) {
+    const PyramidLevel::Image &fine_left = levels[k - 1].left(), &fine_right = levels[k - 1].right();
+    levels[k].halve(fine_left.view(), fine_right.view(), fine_left.covered.data(), fine_right.covered.data());
   }
   for (std::size_t k = levels.size(); k-- > 1;) {
     levels[k].search();

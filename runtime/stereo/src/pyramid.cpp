@@ -35,10 +35,8 @@ void halve_image(GreyView from, const std::uint8_t* covered, PyramidLevel::Image
 }
 
 // What is not known becomes the lesser of its neighbours to the left and right: what is hidden lies behind.
-bool fill_row(const float* disparity_px, int width, std::vector<float>& filled) {
-  bool any = false;
-  for (int x = 0; x < width; ++x) any = any || disparity_px[x] > 0;
-  if (!any) return false;
+void fill_row(const float* disparity_px, int width, std::vector<float>& filled) {
+  if (std::none_of(disparity_px, disparity_px + width, [](float d) { return d > 0; })) return;
   int known = -1;
   for (int x = 0; x <= width; ++x) {
     if (x < width && !(disparity_px[x] > 0)) continue;
@@ -48,12 +46,11 @@ bool fill_row(const float* disparity_px, int width, std::vector<float>& filled) 
     if (x < width) filled[static_cast<std::size_t>(x)] = disparity_px[x];
     known = x;
   }
-  return true;
 }
 
 }  // namespace
 
-PyramidLevel::PyramidLevel(ImageSize size, const MatchOptions& options, bool coarser)
+PyramidLevel::PyramidLevel(ImageSize size, const MatchOptions& options, bool coarser, bool halved)
     : size_(size),
       options_(level_options(options, coarser)),
       last_first_(std::min(options.least_disparity + options.disparities - options_.disparities, size.width - 1)),
@@ -63,6 +60,7 @@ PyramidLevel::PyramidLevel(ImageSize size, const MatchOptions& options, bool coa
       disparity_px_(pixels_of(size)),
       match_(pixels_of(size)),
       guide_px_(static_cast<std::size_t>(size.width / 2)) {
+  if (!halved) return;
   for (Image* image : {&left_, &right_}) {
     *image = {size, std::vector<std::uint8_t>(pixels_of(size)), std::vector<std::uint8_t>(pixels_of(size), 1)};
   }
@@ -108,7 +106,7 @@ std::vector<PyramidLevel> pyramid(ImageSize size, const MatchOptions& options) {
   std::vector<PyramidLevel> levels;
   MatchOptions here = options;
   for (int k = 0; k <= options.coarse_levels; ++k) {
-    levels.emplace_back(size, here, k < options.coarse_levels);
+    levels.emplace_back(size, here, k<options.coarse_levels, k> 0);
     const int last = here.least_disparity + here.disparities - 1;
     here.least_disparity /= 2;
     here.disparities = (last + 1) / 2 - here.least_disparity + 2;  // one more: the last one is never a match

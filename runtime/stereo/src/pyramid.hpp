@@ -14,7 +14,8 @@ namespace raybundle {
 class PyramidLevel {
  public:
   /// @param coarser  the next level is one of half the size, which says where to search
-  PyramidLevel(ImageSize size, const MatchOptions& options, bool coarser);
+  /// @param halved   its images are made by halve(), not given
+  PyramidLevel(ImageSize size, const MatchOptions& options, bool coarser, bool halved);
 
   /// Half of a finer pair of images; a pixel is covered when all that it is made of are.
   void halve(GreyView left, GreyView right, const std::uint8_t* left_covered, const std::uint8_t* right_covered);
@@ -33,7 +34,6 @@ class PyramidLevel {
   };
   const Image& left() const { return left_; }
   const Image& right() const { return right_; }
-  ImageSize size() const { return size_; }
   DisparityView found() const;
 
  private:

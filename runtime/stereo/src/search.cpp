@@ -28,6 +28,7 @@ Search::Search(ImageSize size, const MatchOptions& options)
   const int most = costs_->most();
   const double path_most = static_cast<double>(most) / kFineCosts;
   const double small = std::round(options.small_step * path_most);
+  small_step_ = static_cast<std::uint8_t>(small);
   for (std::size_t grey = 0; grey < large_steps_.size(); ++grey) {
     const double edge = 1.0 + static_cast<double>(grey) / options.edge_grey;
     large_steps_[grey] =
@@ -58,7 +59,7 @@ PathRow Search::path_row(const std::uint8_t* costs) {
   row.width = size_.width;
   row.lanes = lanes_;
   row.disparities = options_.disparities;
-  row.small_step = static_cast<std::uint8_t>(std::lround(options_.small_step * costs_->most() / kFineCosts));
+  row.small_step = small_step_;
   row.large_across = large_across_.data();
   row.large_along = large_along_.data();
   row.costs = costs;

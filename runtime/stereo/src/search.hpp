@@ -41,6 +41,7 @@ class Search {
   const RowKernels& kernels_;
   std::unique_ptr<MatchCosts> costs_;
   std::array<std::uint8_t, 256> large_steps_{};  // by the step of grey values
+  std::uint8_t small_step_;
   int uniqueness_limit_, strength_limit_, peak_limit_;
   Bytes large_across_, large_along_;
   Columns from_left_, from_right_, along_;
