@@ -33,6 +33,8 @@ struct PlainBytes {
     bytes.lane.fill(value);
     return bytes;
   }
+  /// Four equal bytes, again and again.
+  static PlainBytes repeated(std::uint32_t four) { return all(static_cast<std::uint8_t>(four)); }
   void store(std::uint8_t* to) const { std::copy_n(lane.begin(), kLanes, to); }
 
   template <typename Operation>
@@ -100,6 +102,7 @@ struct Avx2Bytes {
     return {_mm256_loadu_si256(reinterpret_cast<const __m256i*>(from))};
   }
   static Avx2Bytes all(std::uint8_t value) { return {_mm256_set1_epi8(static_cast<char>(value))}; }
+  static Avx2Bytes repeated(std::uint32_t four) { return {_mm256_set1_epi32(static_cast<int>(four))}; }
   void store(std::uint8_t* to) const { _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), lane); }
 
   friend Avx2Bytes add(Avx2Bytes a, Avx2Bytes b) { return {_mm256_adds_epu8(a.lane, b.lane)}; }

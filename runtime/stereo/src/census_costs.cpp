@@ -63,20 +63,30 @@ CensusCosts::CensusCosts(ImageSize size, int lanes, const MatchOptions& options,
   }
 }
 
-void CensusCosts::begin(const SearchedPair& pair) {
+void CensusCosts::begin(const SearchedPair& pair, std::span<const Extent> extents) {
   pair_ = pair;
+  extents_ = extents;
   left_.fill(pair.left, false);
   right_.fill(pair.right, true);
   std::fill(sums_.begin(), sums_.end(), std::uint8_t{0});
   std::fill(wide_sums_.begin(), wide_sums_.end(), std::uint16_t{0});
 }
 
+// The pixels of row v that a window reaches. Beside them bits stay those of an older row, in sums that nobody asks for.
+Extent CensusCosts::windows_over(int v) const {
+  Extent extent;
+  for (int k = std::max(v - radius_, 0); k <= std::min(v + radius_, size_.height - 1); ++k) {
+    extent = extent.with(extents_[static_cast<std::size_t>(k)], radius_, size_.width);
+  }
+  return extent;
+}
+
 void CensusCosts::fill_bits(int v) {
   kernels_.census({left_.row(v), left_offsets_, size_.width, left_codes_.data(), plane_stride_});
   kernels_.census({right_.row(v), right_offsets_, size_.width, right_codes_.data(), plane_stride_});
   limits_.fill(v, pair_.right_covered);
-  kernels_.census_costs({size_.width, lanes_, planes_, plane_stride_, nibble_costs_, pair_.first.row(v),
-                         left_codes_.data(), right_codes_.data(), limits_.mirrored(), bits(v)});
+  kernels_.census_costs({size_.width, windows_over(v), lanes_, planes_, plane_stride_, nibble_costs_,
+                         pair_.first.row(v), left_codes_.data(), right_codes_.data(), limits_.mirrored(), bits(v)});
 }
 
 void CensusCosts::enter(const std::uint8_t* enters, const std::uint8_t* leaves) {
@@ -105,12 +115,14 @@ const std::uint8_t* CensusCosts::row(int v) {
     if (v + radius_ <= last) fill_bits(v + radius_);
     enter(bits(std::min(v + radius_, last)), bits(std::max(v - radius_ - 1, 0)));
   }
+  const Extent extent = extents_[static_cast<std::size_t>(v)];
   if (wide_) {
     const auto factor =
         static_cast<std::uint32_t>((kMostWide << 16) / (most_bits_ * (2 * radius_ + 1) * (2 * radius_ + 1)));
-    kernels_.window_wide({size_.width, lanes_, radius_, factor, wide_sums_.data(), wide_window_.data(), costs_.data()});
+    kernels_.window_wide(
+        {size_.width, extent, lanes_, radius_, factor, wide_sums_.data(), wide_window_.data(), costs_.data()});
   } else {
-    kernels_.window({size_.width, lanes_, radius_, 0, sums_.data(), nullptr, costs_.data()});
+    kernels_.window({size_.width, extent, lanes_, radius_, 0, sums_.data(), nullptr, costs_.data()});
   }
   return costs_.data();
 }

@@ -15,11 +15,12 @@ class CensusCosts : public MatchCosts {
   CensusCosts(ImageSize size, int lanes, const MatchOptions& options, const RowKernels& kernels);
 
   int most() const override { return most_; }
-  void begin(const SearchedPair& pair) override;
+  void begin(const SearchedPair& pair, std::span<const Extent> extents) override;
   const std::uint8_t* row(int v) override;
 
  private:
   std::uint8_t* bits(int v) { return bits_[static_cast<std::size_t>(v) % bits_.size()].data(); }
+  Extent windows_over(int v) const;
   void fill_bits(int v);
   void enter(const std::uint8_t* enters, const std::uint8_t* leaves);
 
@@ -31,6 +32,7 @@ class CensusCosts : public MatchCosts {
   std::ptrdiff_t plane_stride_;
   const RowKernels& kernels_;
   SearchedPair pair_;
+  std::span<const Extent> extents_;
   PaddedImage left_, right_;  // the right one is mirrored
   std::vector<std::ptrdiff_t> left_offsets_, right_offsets_;
   std::array<std::uint8_t, 16> nibble_costs_{};

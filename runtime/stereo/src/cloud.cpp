@@ -14,14 +14,15 @@ inline float cotangent(float x) {
 }
 
 template <typename Inverse>
-void triangulate(int width, const float* disparity_px, const float* variance, const float* scale, const float* offset,
-                 const float* slope, const float* x, const float* across, float y, float z, float curve,
-                 float baseline_variance, Inverse inverse, StereoPoint* points) {
-  for (int u = 0; u < width; ++u) {
-    const bool matched = disparity_px[u] > 0;
-    const float k = inverse(matched ? disparity_px[u] : 1.0F);
-    const float distance = matched ? scale[u] * k + offset[u] : 0.0F;
-    const float per_px = matched ? slope[u] * (k * k + curve) : 0.0F;
+void triangulate(Extent columns, const float* disparity_px, const float* variance, const float* scale,
+                 const float* offset, const float* slope, const float* x, const float* across, float y, float z,
+                 float curve, float baseline_variance, Inverse inverse, StereoPoint* points) {
+#pragma GCC ivdep
+  for (int u = columns.begin; u < columns.end; ++u) {
+    const float matched = disparity_px[u] > 0 ? 1.0F : 0.0F;  // a factor, not a branch
+    const float k = inverse(disparity_px[u] + (1.0F - matched));
+    const float distance = matched * (scale[u] * k + offset[u]);
+    const float per_px = matched * slope[u] * (k * k + curve);
     const float along2 = x[u] * x[u] + across[u] * across[u] * (y * y + z * z);
     points[u].x_m = distance * x[u];
     points[u].y_m = distance * across[u] * y;
@@ -56,12 +57,14 @@ Cloud::Cloud(const Rectification& pair, const CalibrationSigma& calibration, dou
   for (float& value : disparity_variance_) value = static_cast<float>(match_sigma_px * match_sigma_px) + value * value;
 }
 
-void Cloud::triangulate_row(int v, const float* disparity_px, StereoPoint* points) const {
+void Cloud::triangulate_row(int v, Extent columns, const float* disparity_px, StereoPoint* points) const {
   const auto width = static_cast<int>(x_.size());
+  columns.fill_beyond(points, width, StereoPoint{});
   const auto call = [&](auto inverse) {
-    triangulate(width, disparity_px, disparity_variance_.data() + static_cast<std::ptrdiff_t>(v) * width, scale_.data(),
-                offset_.data(), slope_.data(), x_.data(), across_.data(), y_[static_cast<std::size_t>(v)],
-                z_[static_cast<std::size_t>(v)], curve_, relative_baseline_variance_, inverse, points);
+    triangulate(columns, disparity_px, disparity_variance_.data() + static_cast<std::ptrdiff_t>(v) * width,
+                scale_.data(), offset_.data(), slope_.data(), x_.data(), across_.data(),
+                y_[static_cast<std::size_t>(v)], z_[static_cast<std::size_t>(v)], curve_, relative_baseline_variance_,
+                inverse, points);
   };
   if (pinhole_) {
     call([](float disparity) { return 1.0F / disparity; });

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "calibration_sigma.hpp"
+#include "raybundle/stereo/extent.hpp"
 #include "raybundle/stereo/rectification.hpp"
 #include "raybundle/stereo/stereo.hpp"
 
@@ -18,7 +19,8 @@ class Cloud {
  public:
   Cloud(const Rectification& pair, const CalibrationSigma& calibration, double match_sigma_px);
 
-  void triangulate_row(int v, const float* disparity_px, StereoPoint* points) const;
+  /// @param columns  of the row that may be matched; the others become points at 0
+  void triangulate_row(int v, Extent columns, const float* disparity_px, StereoPoint* points) const;
 
  private:
   bool pinhole_;

@@ -31,7 +31,7 @@ void census_row(const CensusRow& row) {
 
 template <typename Bytes, int n>
 void census_cost_row(CensusCostRow row) {
-  for (int x = 0; x < row.width; ++x) {
+  for (int x = row.extent.begin; x < row.extent.end; ++x) {
     const std::ptrdiff_t partner = row.width - 1 - x + row.first[x];
     Column<Bytes, n> costs = Column<Bytes, n>::all(0);
     for (int k = 0; k < row.planes; ++k) {
@@ -70,32 +70,39 @@ void window_row(WindowRow<std::uint8_t> row) {
     return Pixel::load(row.sums + static_cast<std::ptrdiff_t>(std::clamp(x, 0, row.width - 1)) * n * Bytes::kCount);
   };
   Pixel sum = Pixel::all(0);
-  for (int x = -row.radius; x <= row.radius; ++x) sum += column(x);
-  for (int x = 0; x < row.width; ++x) {
+  for (int x = -row.radius; x <= row.radius; ++x) sum += column(row.extent.begin + x);
+  for (int x = row.extent.begin; x < row.extent.end; ++x) {
     sum.store(row.costs + static_cast<std::ptrdiff_t>(x) * n * Bytes::kCount);
     sum -= column(x - row.radius);
     sum += column(x + row.radius + 1);
   }
 }
 
-/// Sums over windows that move along a row. `Take` gets each pixel's column.
-template <typename Sum, typename Take>
-void moving_window(int width, int lanes, int radius, const Sum* sums, Sum* window, Take take) {
-  const auto column = [&](int x) { return sums + static_cast<std::ptrdiff_t>(std::clamp(x, 0, width - 1)) * lanes; };
-  std::fill_n(window, lanes, Sum{0});
-  for (int x = -radius; x <= radius; ++x) {
-    for (int d = 0; d < lanes; ++d) window[d] = static_cast<Sum>(window[d] + column(x)[d]);
+/// Sums over windows that move along a row, of each plane of sums. `Take` gets the pixels of the extent.
+template <typename Sum, typename Row, typename Take>
+void moving_window(const Row& row, int planes, std::ptrdiff_t plane_stride, Take take) {
+  const auto column = [&](int plane, int x) {
+    return row.sums + plane * plane_stride + static_cast<std::ptrdiff_t>(std::clamp(x, 0, row.width - 1)) * row.lanes;
+  };
+  std::fill_n(row.window, planes * row.lanes, Sum{0});
+  for (int plane = 0; plane < planes; ++plane) {
+    Sum* window = row.window + plane * row.lanes;
+    for (int x = row.extent.begin - row.radius; x <= row.extent.begin + row.radius; ++x) {
+      for (int d = 0; d < row.lanes; ++d) window[d] = static_cast<Sum>(window[d] + column(plane, x)[d]);
+    }
   }
-  for (int x = 0; x < width; ++x) {
+  for (int x = row.extent.begin; x < row.extent.end; ++x) {
     take(x);
-    const Sum* enters = column(x + radius + 1);
-    const Sum* leaves = column(x - radius);
-    for (int d = 0; d < lanes; ++d) window[d] = static_cast<Sum>(window[d] + enters[d] - leaves[d]);
+    for (int plane = 0; plane < planes; ++plane) {
+      const Sum *enters = column(plane, x + row.radius + 1), *leaves = column(plane, x - row.radius);
+      Sum* window = row.window + plane * row.lanes;
+      for (int d = 0; d < row.lanes; ++d) window[d] = static_cast<Sum>(window[d] + enters[d] - leaves[d]);
+    }
   }
 }
 
 inline void window_row_wide(const WindowRow<std::uint16_t>& row) {
-  moving_window(row.width, row.lanes, row.radius, row.sums, row.window, [&](int x) {
+  moving_window<std::uint16_t>(row, 1, 0, [&](int x) {
     std::uint8_t* costs = row.costs + static_cast<std::ptrdiff_t>(x) * row.lanes;
     for (int d = 0; d < row.lanes; ++d) costs[d] = static_cast<std::uint8_t>(row.window[d] * row.factor >> 16);
   });
@@ -142,7 +149,7 @@ void limited_costs(const ProductCostRow& row, int x, Cost cost) {
 }
 
 inline void square_cost_row(const ProductCostRow& row) {
-  moving_window(row.width, row.lanes, row.radius, row.sums, row.window, [&](int x) {
+  moving_window<std::int32_t>(row, 1, row.sum_stride, [&](int x) {
     limited_costs(row, x, [&](int d) { return row.scale * static_cast<float>(row.window[d]); });
   });
 }
@@ -158,16 +165,7 @@ inline void correlation_cost_row(const ProductCostRow& row) {
   const std::int32_t* sums = row.window;
   const std::int32_t* squares = row.window + row.lanes;
   const std::int32_t* products = squares + row.lanes;
-  const auto column = [&](int plane, int x) {
-    return row.sums + plane * row.sum_stride + static_cast<std::ptrdiff_t>(std::clamp(x, 0, row.width - 1)) * row.lanes;
-  };
-  std::fill_n(row.window, 3 * row.lanes, 0);
-  for (int plane = 0; plane < 3; ++plane) {
-    for (int x = -row.radius; x <= row.radius; ++x) {
-      for (int d = 0; d < row.lanes; ++d) row.window[plane * row.lanes + d] += column(plane, x)[d];
-    }
-  }
-  for (int x = 0; x < row.width; ++x) {
+  moving_window<std::int32_t>(row, 3, row.sum_stride, [&](int x) {
     const std::int32_t left = row.left_sums[x];
     const float left_spread = spread_of(row.left_squares[x], left, left);
     limited_costs(row, x, [&](int d) {
@@ -176,12 +174,7 @@ inline void correlation_cost_row(const ProductCostRow& row) {
       const float spread = std::sqrt(std::max(left_spread * right_spread, 1.0F));
       return row.most * (1.0F - std::max(common / spread, 0.0F));
     });
-    for (int plane = 0; plane < 3; ++plane) {
-      const std::int32_t* enters = column(plane, x + row.radius + 1);
-      const std::int32_t* leaves = column(plane, x - row.radius);
-      for (int d = 0; d < row.lanes; ++d) row.window[plane * row.lanes + d] += enters[d] - leaves[d];
-    }
-  }
+  });
 }
 
 }  // namespace

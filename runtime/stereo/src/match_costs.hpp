@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "padded_image.hpp"
@@ -28,9 +29,12 @@ class MatchCosts {
   virtual int most() const = 0;
 
   /// Starts a pair of images, which stay as they are until the last row.
-  virtual void begin(const SearchedPair& pair) = 0;
+  ///
+  /// @param extents  of each row: the pixels to be matched
+  virtual void begin(const SearchedPair& pair, std::span<const Extent> extents) = 0;
 
-  /// Costs of a row, which must be the one behind the last one; width columns, valid until the next call.
+  /// Costs of a row, which must be the one behind the last one; width columns, of which those of the extent count;
+  /// valid until the next call.
   virtual const std::uint8_t* row(int v) = 0;
 };
 

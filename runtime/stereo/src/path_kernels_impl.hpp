@@ -42,9 +42,9 @@ Column<Bytes, n> path_costs(const std::uint8_t* fine) {
 /// Source: Hirschmüller, Stereo Processing by Semiglobal Matching and Mutual Information, PAMI 2008, eq. 13.
 template <typename Bytes, int n>
 Column<Bytes, n> next_on_path(const Column<Bytes, n>& before, const Column<Bytes, n>& neighbours,
-                              const Column<Bytes, n>& costs, Bytes small_step, std::uint8_t large_step) {
+                              const Column<Bytes, n>& costs, Bytes small_step, std::uint32_t large_step) {
   const Bytes lowest = before.spread_least();
-  const Bytes large = add(lowest, Bytes::all(large_step));
+  const Bytes large = add(lowest, Bytes::repeated(large_step));
   Column<Bytes, n> path;
   for (int j = 0; j < n; ++j) {
     const Bytes way = least(least(before.part[j], add(neighbours.part[j], small_step)), large);
@@ -61,7 +61,7 @@ void across_row(PathRow row) {
   const Bytes small_step = Bytes::all(row.small_step);
   Pixel from_left = Pixel::all(0);
   Pixel from_right = Pixel::all(0);
-  for (int x = 0, y = row.width - 1; x < row.width; ++x, --y) {
+  for (int x = row.extent.begin, y = row.extent.end - 1; x < row.extent.end; ++x, --y) {
     from_left = next_on_path(from_left, from_left.neighbours(), path_costs<Bytes, n>(row.costs + x * kColumn),
                              small_step, row.large_across[x]);
     from_left.store(row.from_left + x * kColumn);
@@ -98,10 +98,10 @@ void along_row(PathRow row) {
   constexpr std::ptrdiff_t kColumn = n * Bytes::kCount;
   const Bytes small_step = Bytes::all(row.small_step);
   const Pixel out_of_range = Pixel::load(kOutOfRange.data() + kMostLanes - row.disparities);
-  for (int x = 0; x < row.width; ++x) {
-    const Pixel before = Pixel::load(row.along + x * kColumn);
-    const Pixel path = next_on_path(before, before.neighbours(), path_costs<Bytes, n>(row.costs + x * kColumn),
-                                    small_step, row.large_along[x]);
+  for (int x = row.extent.begin; x < row.extent.end; ++x) {
+    const std::uint8_t* before = row.along_before + x * kColumn;
+    const Pixel path = next_on_path(Pixel::load(before), Pixel::neighbours_at(before),
+                                    path_costs<Bytes, n>(row.costs + x * kColumn), small_step, row.large_along[x]);
     path.store(row.along + x * kColumn);
     Pixel sum = path;
     sum += Pixel::load(row.from_left + x * kColumn);
@@ -119,7 +119,7 @@ template <typename Bytes, int n>
 void best_row(PathRow row) {
   using Pixel = Column<Bytes, n>;
   const Pixel out_of_range = Pixel::load(kOutOfRange.data() + kMostLanes - row.disparities);
-  for (int x = 0; x < row.width; ++x) {
+  for (int x = row.extent.begin; x < row.extent.end; ++x) {
     Pixel costs = Pixel::load(row.costs + x * n * Bytes::kCount);
     costs += out_of_range;
     take_best(costs, row.costs + x * n * Bytes::kCount, row.best, x);
@@ -132,7 +132,7 @@ inline void judge_row(JudgeRow row) {
   const auto code = [](Match match) { return static_cast<std::uint8_t>(match); };
   const BestRow& best = row.best;
 #pragma GCC ivdep
-  for (int x = 0; x < row.width; ++x) {
+  for (int x = row.extent.begin; x < row.extent.end; ++x) {
     const bool at_end = ((best.disparity[x] == 0) & (row.first[x] > row.least)) | (best.disparity[x] == row.last);
     const int rise = std::min(best.before[x], best.after[x]) - best.cost[x];
     std::uint8_t state = rise < row.peak ? code(Match::kFlat) : kMatched;
@@ -142,7 +142,7 @@ inline void judge_row(JudgeRow row) {
     row.match[x] = row.covered[x] == 0 ? code(Match::kUncovered) : state;
   }
 #pragma GCC ivdep
-  for (int x = 0; x < row.width; ++x) {
+  for (int x = row.extent.begin; x < row.extent.end; ++x) {
     const float part = sub_pixel(best.before[x], best.cost[x], best.after[x]);
     const float whole = static_cast<float>(row.first[x] + best.disparity[x]);
     const float disparity = whole + (best.disparity[x] == 0 ? 0.0F : part);

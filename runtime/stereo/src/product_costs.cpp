@@ -35,8 +35,9 @@ ProductCosts::ProductCosts(ImageSize size, int lanes, const MatchOptions& option
 
 int ProductCosts::most() const { return kMost; }
 
-void ProductCosts::begin(const SearchedPair& pair) {
+void ProductCosts::begin(const SearchedPair& pair, std::span<const Extent> extents) {
   pair_ = pair;
+  extents_ = extents;
   for (auto* sums : {&sums_, &left_columns_, &left_column_squares_}) std::fill(sums->begin(), sums->end(), 0);
 }
 
@@ -87,6 +88,7 @@ const std::uint8_t* ProductCosts::row(int v) {
   sum_left(v);
   const auto pixels = static_cast<float>((2 * radius_ + 1) * (2 * radius_ + 1));
   const ProductCostRow costs{size_.width,
+                             extents_[static_cast<std::size_t>(v)],
                              lanes_,
                              radius_,
                              kMost / (pixels * kMostGrey * kMostGrey),

@@ -12,7 +12,7 @@ class ProductCosts : public MatchCosts {
   ProductCosts(ImageSize size, int lanes, const MatchOptions& options, const RowKernels& kernels);
 
   int most() const override;
-  void begin(const SearchedPair& pair) override;
+  void begin(const SearchedPair& pair, std::span<const Extent> extents) override;
   const std::uint8_t* row(int v) override;
 
  private:
@@ -24,6 +24,7 @@ class ProductCosts : public MatchCosts {
   bool correlation_;
   const RowKernels& kernels_;
   SearchedPair pair_;
+  std::span<const Extent> extents_;
   RightLimits limits_;
   std::vector<std::vector<std::uint8_t>> right_;  // mirrored rows of the window, and of the row that leaves it
   std::vector<std::int32_t> sums_, window_;

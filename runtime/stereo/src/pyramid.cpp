@@ -19,6 +19,7 @@ MatchOptions level_options(MatchOptions options, bool coarser) {
 std::size_t pixels_of(ImageSize size) { return static_cast<std::size_t>(size.width) * size.height; }
 
 void halve_image(GreyView from, const std::uint8_t* covered, PyramidLevel::Image& to) {
+  std::fill(to.covered.begin(), to.covered.end(), std::uint8_t{1});
   std::size_t i = 0;
   for (int v = 0; v < to.size.height; ++v) {
     const std::uint8_t* above = from.row(2 * v);

@@ -13,12 +13,12 @@
 namespace raybundle {
 namespace {
 
-using RemapRow = void (*)(const RemapTable& table, GreyView image, int row, int from_column, std::uint8_t* out);
+using RemapRow = void (*)(const RemapTable& table, GreyView image, int row, Extent columns, std::uint8_t* out);
 
-// One row from a column on: the four neighbours, weighted by the eight bits behind the point.
-void remap_row_scalar(const RemapTable& table, GreyView image, int row, int from_column, std::uint8_t* out) {
+// Columns of a row: the four neighbours, weighted by the eight bits behind the point.
+void remap_row_scalar(const RemapTable& table, GreyView image, int row, Extent columns, std::uint8_t* out) {
   const std::size_t first = static_cast<std::size_t>(row) * table.size.width;
-  for (int u = from_column; u < table.size.width; ++u) {
+  for (int u = columns.begin; u < columns.end; ++u) {
     const std::int32_t x = table.x_256[first + u];
     const std::int32_t y = table.y_256[first + u];
     const std::uint8_t* top = image.row(y >> 8) + (x >> 8);
@@ -49,14 +49,14 @@ void remap_row_scalar(const RemapTable& table, GreyView image, int row, int from
   return _mm256_and_si256(_mm256_add_epi16(_mm256_slli_epi32(left, 8), step), _mm256_set1_epi32(0xffff));
 }
 
-[[gnu::target("avx2")]] void remap_row_avx2(const RemapTable& table, GreyView image, int row, int from_column,
+[[gnu::target("avx2")]] void remap_row_avx2(const RemapTable& table, GreyView image, int row, Extent columns,
                                             std::uint8_t* out) {
   const std::size_t first = static_cast<std::size_t>(row) * table.size.width;
   const __m256i fraction = _mm256_set1_epi32(255);
   const __m256i stride = _mm256_set1_epi32(static_cast<int>(image.stride));
   const __m256i last = _mm256_set1_epi32(static_cast<int>((image.height - 1) * image.stride + image.width - 4));
-  int u = from_column;
-  for (; u + 8 <= table.size.width; u += 8) {
+  int u = columns.begin;
+  for (; u + 8 <= columns.end; u += 8) {
     const __m256i x = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(&table.x_256[first + u]));
     const __m256i y = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(&table.y_256[first + u]));
     const __m256i offset =
@@ -73,7 +73,7 @@ void remap_row_scalar(const RemapTable& table, GreyView image, int row, int from
     const __m128i kept = _mm_and_si128(bytes, _mm_sub_epi8(_mm_setzero_si128(), covered));
     _mm_storel_epi64(reinterpret_cast<__m128i*>(out + u), kept);
   }
-  remap_row_scalar(table, image, row, u, out);
+  remap_row_scalar(table, image, row, {u, columns.end}, out);
 }
 #endif
 
@@ -117,7 +117,11 @@ void remap(const RemapTable& table, GreyView image, ImageView<std::uint8_t> out,
   assert(image.width == table.source.width && image.height == table.source.height);
   assert(out.width == table.size.width && out.height == table.size.height);
   const RemapRow row = row_function(simd);
-  for (int v = 0; v < out.height; ++v) row(table, image, v, 0, out.row(v));
+  for (int v = 0; v < out.height; ++v) {
+    const Extent columns = table.extent(v);
+    columns.fill_beyond(out.row(v), out.width, std::uint8_t{0});
+    row(table, image, v, columns, out.row(v));
+  }
 }
 
 }  // namespace raybundle

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 
+#include "raybundle/stereo/extent.hpp"
 #include "raybundle/stereo/simd.hpp"
 
 // The inner loops of matching, one image row at a time. The disparities of a pixel lie beside each other. A "column" is
@@ -20,6 +21,9 @@ namespace raybundle {
 /// Costs of a window are counted in quarters of what paths add up.
 inline constexpr int kFineCosts = 4;
 
+/// A byte four times, as it is quickly spread over a register.
+using RepeatedByte = std::uint32_t;
+
 /// Where a census bit compares: the neighbour's pixel minus the centre's, as an offset into the padded image.
 struct CensusRow {
   const std::uint8_t* centre = nullptr;     ///< first pixel of the row
@@ -32,6 +36,7 @@ struct CensusRow {
 /// Census bits that differ, weighted, for each pixel and disparity of a row.
 struct CensusCostRow {
   int width = 0;
+  Extent extent;  ///< pixels whose costs are asked for
   int lanes = 0;
   int planes = 0;
   std::ptrdiff_t plane_stride = 0;
@@ -56,6 +61,7 @@ struct EnterRow {
 template <typename Sum>
 struct WindowRow {
   int width = 0;
+  Extent extent;
   int lanes = 0;
   int radius = 0;
   std::uint32_t factor = 0;  ///< of 16-bit sums: cost = sum · factor / 65536
@@ -80,6 +86,7 @@ struct ProductRow {
 /// Sums of products over windows become costs.
 struct ProductCostRow {
   int width = 0;
+  Extent extent;
   int lanes = 0;
   int radius = 0;
   float scale = 0.0F;  ///< of a sum of squared differences: cost = scale · sum
@@ -106,7 +113,7 @@ struct BestRow {
 
 /// What becomes of each pixel of a row. Values of Match: as matcher.hpp has them.
 struct JudgeRow {
-  int width = 0;
+  Extent extent;
   int last = 0;                                ///< disparity beyond which nothing was searched
   int least = 0;                               ///< disparity below which there is nothing to search
   int uniqueness = 0, strength = 0, peak = 0;  ///< limits; a peak below -255 takes all
@@ -120,16 +127,17 @@ struct JudgeRow {
 
 /// Costs of a row, gathered along paths that end in each pixel. A large step of 0 begins a path.
 struct PathRow {
-  int width = 0;
+  Extent extent;
   int lanes = 0;
   int disparities = 0;                         ///< at most lanes; the others are never best
   std::uint8_t small_step = 0;                 ///< cost of a disparity that changes by one from pixel to pixel
-  const std::uint8_t* large_across = nullptr;  ///< cost of one that changes by more, from pixel x - 1 to x; width + 1
-  const std::uint8_t* large_along = nullptr;   ///< the same from the row before to this one
+  const RepeatedByte* large_across = nullptr;  ///< cost of one that changes by more, from pixel x - 1 to x; width + 1
+  const RepeatedByte* large_along = nullptr;   ///< the same from the row before to this one
   const std::uint8_t* costs = nullptr;         ///< width columns, fine
   std::uint8_t* from_left = nullptr;           ///< width columns: sums of the paths from the left
   std::uint8_t* from_right = nullptr;          ///< the same from the right
-  std::uint8_t* along = nullptr;               ///< width columns: state of the paths along columns
+  const std::uint8_t* along_before = nullptr;  ///< width columns, a byte around them: the paths to the row before
+  std::uint8_t* along = nullptr;               ///< width columns: become those to this row
   std::uint8_t* sums = nullptr;  ///< width columns for the sums of all paths, or nullptr: the best is taken
   BestRow best;
 };

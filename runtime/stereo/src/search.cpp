@@ -8,7 +8,8 @@
 namespace raybundle {
 namespace {
 
-constexpr int kMostLevel = 256;  // above every difference of costs
+constexpr int kMostLevel = 256;       // above every difference of costs
+constexpr std::ptrdiff_t kLine = 64;  // bytes before columns whose neighbours are read: they stay aligned
 
 int lanes_for(int disparities) {
   for (const int lanes : {32, 64, 96, 128, 192}) {
@@ -31,8 +32,9 @@ Search::Search(ImageSize size, const MatchOptions& options)
   small_step_ = static_cast<std::uint8_t>(small);
   for (std::size_t grey = 0; grey < large_steps_.size(); ++grey) {
     const double edge = 1.0 + static_cast<double>(grey) / options.edge_grey;
-    large_steps_[grey] =
+    const auto large =
         static_cast<std::uint8_t>(std::lround(std::max(small + 1.0, options.large_step * path_most / edge)));
+    large_steps_[grey] = 0x01010101U * large;
   }
   uniqueness_limit_ =
       static_cast<int>(std::ceil(options.uniqueness * (options.paths > 0 ? options.paths * path_most : most)));
@@ -40,11 +42,12 @@ Search::Search(ImageSize size, const MatchOptions& options)
   peak_limit_ = options.peak > 0 ? static_cast<int>(std::ceil(options.peak * most)) : -kMostLevel;
 
   const auto width = static_cast<std::size_t>(size.width);
+  extents_.resize(static_cast<std::size_t>(size.height));
   large_across_.resize(width + 1);
   large_along_.resize(width);
   from_left_.resize(width * lanes_);
   from_right_.resize(width * lanes_);
-  along_.resize(width * lanes_);
+  for (Columns* along : {&along_, &along_before_}) along->resize(kLine + width * lanes_ + 1);
   if (options.paths == 4) {
     all_costs_.resize(width * lanes_ * size.height);
     all_sums_.resize(width * lanes_ * size.height);
@@ -54,9 +57,9 @@ Search::Search(ImageSize size, const MatchOptions& options)
   right_.resize(width);
 }
 
-PathRow Search::path_row(const std::uint8_t* costs) {
+PathRow Search::path_row(const std::uint8_t* costs, int v) {
   PathRow row;
-  row.width = size_.width;
+  row.extent = extent(v);
   row.lanes = lanes_;
   row.disparities = options_.disparities;
   row.small_step = small_step_;
@@ -65,28 +68,31 @@ PathRow Search::path_row(const std::uint8_t* costs) {
   row.costs = costs;
   row.from_left = from_left_.data();
   row.from_right = from_right_.data();
-  row.along = along_.data();
+  row.along_before = along_before_.data() + kLine;
+  row.along = along_.data() + kLine;
   row.best = best_row();
   return row;
 }
 
-// The large steps to row v: along it, and from the row before it, which is above or below.
+// The large steps to row v: along it, and from the row before it, which is above or below. Where that was not searched,
+// a path begins.
 void Search::steps_of(GreyView left, int v, int before) {
-  const auto step = [&](int a, int b) { return large_steps_[static_cast<std::size_t>(std::abs(a - b))]; };
+  const RepeatedByte* steps = large_steps_.data();
+  const auto fill = [steps](const std::uint8_t* a, const std::uint8_t* b, int count, RepeatedByte* out) {
+    for (int x = 0; x < count; ++x) out[x] = steps[std::abs(a[x] - b[x])];
+  };
   const std::uint8_t* here = left.row(v);
-  large_across_.front() = large_across_.back() = 0;
-  for (std::size_t x = 1; x < large_along_.size(); ++x) large_across_[x] = step(here[x], here[x - 1]);
-  if (before < 0 || before >= size_.height) {
-    std::fill(large_along_.begin(), large_along_.end(), std::uint8_t{0});
-    return;
-  }
-  const std::uint8_t* there = left.row(before);
-  for (std::size_t x = 0; x < large_along_.size(); ++x) large_along_[x] = step(here[x], there[x]);
+  const auto [begin, end] = extent(v);
+  fill(here + begin + 1, here + begin, end - begin - 1, large_across_.data() + begin + 1);
+  std::fill(large_along_.begin() + begin, large_along_.begin() + end, RepeatedByte{0});
+  if (before < 0 || before >= size_.height) return;
+  const int from = std::max(begin, extent(before).begin), to = std::min(end, extent(before).end);
+  fill(here + from, left.row(before) + from, to - from, large_along_.data() + from);
 }
 
 void Search::gather_down(GreyView left, int v) {
   const std::uint8_t* costs = costs_->row(v);
-  PathRow row = path_row(costs);
+  PathRow row = path_row(costs, v);
   if (options_.paths == 0) return kernels_.best(row);
   steps_of(left, v, v - 1);
   kernels_.across(row);
@@ -96,45 +102,48 @@ void Search::gather_down(GreyView left, int v) {
     row.sums = all_sums_.data() + first;
   }
   kernels_.along(row);
+  along_.swap(along_before_);
 }
 
 void Search::gather_up(GreyView left, int v) {
   const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(v) * size_.width * lanes_;
-  PathRow row = path_row(all_costs_.data() + first);
+  PathRow row = path_row(all_costs_.data() + first, v);
   row.from_left = all_sums_.data() + first;
   steps_of(left, v, v + 1);
   kernels_.along(row);
+  along_.swap(along_before_);
 }
 
 // Of the left image's pixels that claim a pixel of the right image, the one with the least sum gets it; another one
 // agrees with that when its disparity is nearly the same.
-void Search::find_agreeing(const std::int16_t* first, const std::uint8_t* right_covered) {
+void Search::find_agreeing(Extent extent, const std::int16_t* first, const std::uint8_t* right_covered) {
   constexpr std::uint32_t kDisparity = 0xffff;
   std::fill(right_.begin(), right_.end(), ~std::uint32_t{0});
-  for (int x = 0; x < size_.width; ++x) {
-    const auto i = static_cast<std::size_t>(x);
-    const int disparity = first[x] + best_[i];
+  const std::uint8_t *best = best_.data(), *least_sum = least_sum_.data();
+  std::uint32_t* right = right_.data();
+  for (int x = extent.begin; x < extent.end; ++x) {
+    const int disparity = first[x] + best[x];
     if (disparity > x) continue;
-    std::uint32_t& claim = right_[static_cast<std::size_t>(x - disparity)];
-    claim = std::min(claim, static_cast<std::uint32_t>(least_sum_[i]) << 16 | static_cast<std::uint32_t>(disparity));
+    std::uint32_t& claim = right[x - disparity];
+    claim = std::min(claim, static_cast<std::uint32_t>(least_sum[x]) << 16 | static_cast<std::uint32_t>(disparity));
   }
   const int most_apart = options_.left_right_px < 0 ? size_.width : options_.left_right_px;
-  for (int x = 0; x < size_.width; ++x) {
-    const auto i = static_cast<std::size_t>(x);
-    const int disparity = first[x] + best_[i];
+  std::uint8_t* agrees = agrees_.data();
+  for (int x = extent.begin; x < extent.end; ++x) {
+    const int disparity = first[x] + best[x];
     const int at = std::max(x - disparity, 0);
-    const int other = static_cast<int>(right_[static_cast<std::size_t>(at)] & kDisparity);
+    const int other = static_cast<int>(right[at] & kDisparity);
     const bool covered = right_covered == nullptr || right_covered[at] != 0;
-    agrees_[i] = static_cast<std::uint8_t>((disparity <= x) & covered & (std::abs(other - disparity) <= most_apart));
+    agrees[x] = static_cast<std::uint8_t>((disparity <= x) & covered & (std::abs(other - disparity) <= most_apart));
   }
 }
 
 void Search::judge_row(int v, const SearchedPair& pair, const std::uint8_t* left_covered, float* disparity_px,
                        std::uint8_t* match) {
   const std::ptrdiff_t first_pixel = static_cast<std::ptrdiff_t>(v) * size_.width;
-  find_agreeing(pair.first.row(v), pair.right_covered ? pair.right_covered + first_pixel : nullptr);
+  find_agreeing(extent(v), pair.first.row(v), pair.right_covered ? pair.right_covered + first_pixel : nullptr);
   JudgeRow row;
-  row.width = size_.width;
+  row.extent = extent(v);
   row.last = options_.disparities - 1;
   row.least = options_.least_disparity;
   row.uniqueness = uniqueness_limit_;
@@ -150,7 +159,14 @@ void Search::judge_row(int v, const SearchedPair& pair, const std::uint8_t* left
 }
 
 void Search::run(const SearchedPair& pair, const std::uint8_t* left_covered, float* disparity_px, std::uint8_t* match) {
-  costs_->begin(pair);
+  for (int v = 0; v < size_.height; ++v) {
+    const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(v) * size_.width;
+    Extent& row = extents_[static_cast<std::size_t>(v)];
+    row = Extent::of(left_covered ? left_covered + first : nullptr, size_.width);
+    row.fill_beyond(disparity_px + first, size_.width, 0.0F);
+    row.fill_beyond(match + first, size_.width, static_cast<std::uint8_t>(Match::kUncovered));
+  }
+  costs_->begin(pair, extents_);
   for (int v = 0; v < size_.height; ++v) {
     gather_down(pair.left, v);
     if (options_.paths < 4) judge_row(v, pair, left_covered, disparity_px, match);

@@ -27,11 +27,12 @@ class Search {
   BestRow best_row() {
     return {best_.data(), least_sum_.data(), second_.data(), before_.data(), cost_.data(), after_.data()};
   }
-  PathRow path_row(const std::uint8_t* costs);
+  Extent extent(int v) const { return extents_[static_cast<std::size_t>(v)]; }
+  PathRow path_row(const std::uint8_t* costs, int v);
   void steps_of(GreyView left, int v, int before);
   void gather_down(GreyView left, int v);
   void gather_up(GreyView left, int v);
-  void find_agreeing(const std::int16_t* first, const std::uint8_t* right_covered);
+  void find_agreeing(Extent extent, const std::int16_t* first, const std::uint8_t* right_covered);
   void judge_row(int v, const SearchedPair& pair, const std::uint8_t* left_covered, float* disparity_px,
                  std::uint8_t* match);
 
@@ -40,11 +41,12 @@ class Search {
   int lanes_;
   const RowKernels& kernels_;
   std::unique_ptr<MatchCosts> costs_;
-  std::array<std::uint8_t, 256> large_steps_{};  // by the step of grey values
+  std::vector<Extent> extents_;                  // of the rows that are searched
+  std::array<RepeatedByte, 256> large_steps_{};  // by the step of grey values
   std::uint8_t small_step_;
   int uniqueness_limit_, strength_limit_, peak_limit_;
-  Bytes large_across_, large_along_;
-  Columns from_left_, from_right_, along_;
+  std::vector<RepeatedByte> large_across_, large_along_;
+  Columns from_left_, from_right_, along_, along_before_;
   Columns all_costs_, all_sums_;                             // of the image, for paths from below
   Bytes best_, least_sum_, second_, before_, cost_, after_;  // of a row, as BestRow
   Bytes all_covered_, agrees_;

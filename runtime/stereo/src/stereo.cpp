@@ -88,7 +88,8 @@ StereoFrame StereoMatcher::process(GreyView left, GreyView right) {
   frame.disparity =
       own.matcher.match(frame.left, frame.right, own.left_table.covered.data(), own.right_table.covered.data());
   for (int v = 0; v < own.points.size.height; ++v) {
-    own.cloud.triangulate_row(v, frame.disparity.disparity_px.row(v), own.points.view().row(v));
+    own.cloud.triangulate_row(v, own.left_table.extent(v), frame.disparity.disparity_px.row(v),
+                              own.points.view().row(v));
   }
   frame.points = own.points.seen();
   frame.state = frame.disparity.matched < own.options.least_matched * own.covered ? State::kDegraded : State::kOk;

@@ -9,9 +9,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <random>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "raybundle/geometry/error.hpp"
@@ -49,6 +51,19 @@ Pair textured_pair(ImageSize size, unsigned seed) {
   return pair;
 }
 
+// What a fisheye covers of a rectified image: nothing in the corners.
+using Mask = std::vector<std::uint8_t>;
+Mask ellipse(ImageSize size) {
+  Mask covered(static_cast<std::size_t>(size.width) * size.height);
+  for (int v = 0; v < size.height; ++v) {
+    for (int u = 0; u < size.width; ++u) {
+      const double x = 2.0 * u / (size.width - 1) - 1, y = 2.0 * v / (size.height - 1) - 1;
+      covered[static_cast<std::size_t>(v) * size.width + u] = x * x + y * y <= 1.0;
+    }
+  }
+  return covered;
+}
+
 // What a step of disparity costs along a path: less where the grey values jump.
 int large_step(const Pair& pair, const MatchOptions& options, int most, int u, int v, int from_u, int from_v) {
   const double edge = 1.0 + std::abs(pair.left.at(u, v) - pair.left.at(from_u, from_v)) / options.edge_grey;
@@ -57,8 +72,8 @@ int large_step(const Pair& pair, const MatchOptions& options, int most, int u, i
 }
 
 // Sums along the paths and the disparity of the least one, straight from the definition. Disparities up to the next
-// size of columns take part, but are never best.
-std::vector<int> slow_disparities(const Pair& pair, const MatchOptions& options) {
+// size of columns take part, but are never best. Paths begin where the image is covered.
+std::vector<int> slow_disparities(const Pair& pair, const MatchOptions& options, const Mask& covered) {
   const auto [width, height] = pair.left.size;
   int count = 256;
   for (const int lanes : {192, 128, 96, 64, 32}) count = options.disparities <= lanes ? lanes : count;
@@ -90,7 +105,8 @@ std::vector<int> slow_disparities(const Pair& pair, const MatchOptions& options)
       const int v = y > 0 ? height - 1 - j : j;
       for (int i = 0; i < width; ++i) {
         const int u = x > 0 ? width - 1 - i : i;
-        const bool starts = u + x < 0 || u + x >= width || v + y < 0 || v + y >= height;
+        const bool starts = u + x < 0 || u + x >= width || v + y < 0 || v + y >= height ||
+                            covered[static_cast<std::size_t>(v + y) * width + u + x] == 0;
         int least = 0;
         if (!starts) {
           const auto begin = path.begin() + static_cast<std::ptrdiff_t>(index(u + x, v + y, 0));
@@ -138,7 +154,9 @@ struct EachSize : testing::TestWithParam<Case> {
 
 TEST_P(EachSize, TheBestDisparityIsTheOneOfTheDefinition) {
   const Pair pair = textured_pair(GetParam().size, 5);
-  for (const int paths : {3, 4}) {
+  const Mask all(pair.left.pixels.size(), 1), round = ellipse(GetParam().size);
+  for (const auto& [paths, covered] :
+       {std::pair(3, &all), std::pair(4, &all), std::pair(3, &round), std::pair(4, &round)}) {
     MatchOptions options = this->options();
     options.paths = paths;
     options.window_px = 1;
@@ -146,8 +164,8 @@ TEST_P(EachSize, TheBestDisparityIsTheOneOfTheDefinition) {
     options.left_right_px = -1;
     options.least_region_px = 0;
     Matcher matcher(GetParam().size, options);
-    const DisparityView view = matcher.match(pair.left.view(), pair.right.view());
-    const std::vector<int> expected = slow_disparities(pair, options);
+    const DisparityView view = matcher.match(pair.left.view(), pair.right.view(), covered->data());
+    const std::vector<int> expected = slow_disparities(pair, options, *covered);
     int compared = 0;
     for (std::size_t i = 0; i < expected.size(); ++i) {
       if (view.match.pixels[i] != static_cast<std::uint8_t>(Match::kMatched)) continue;
@@ -155,13 +173,14 @@ TEST_P(EachSize, TheBestDisparityIsTheOneOfTheDefinition) {
           << i;  // the rest is sub-pixel
       ++compared;
     }
-    EXPECT_GT(compared, static_cast<int>(expected.size()) / 2);
+    EXPECT_GT(compared, std::accumulate(covered->begin(), covered->end(), 0) * 2 / 5);
   }
 }
 
-std::vector<float> disparities_of(const Pair& pair, const MatchOptions& options) {
+std::vector<float> disparities_of(const Pair& pair, const MatchOptions& options,
+                                  const std::uint8_t* covered = nullptr) {
   Matcher matcher(pair.left.size, options);
-  const DisparityView view = matcher.match(pair.left.view(), pair.right.view());
+  const DisparityView view = matcher.match(pair.left.view(), pair.right.view(), covered, covered);
   return {view.disparity_px.pixels, view.disparity_px.pixels + view.disparity_px.width * view.disparity_px.height};
 }
 
@@ -186,25 +205,30 @@ std::vector<MatchOptions> many_options(const MatchOptions& base) {
 
 TEST_P(EachSize, AllInstructionsGiveTheSameBits) {
   const Pair pair = textured_pair(GetParam().size, 6);
+  const Mask mask = ellipse(GetParam().size);
   for (MatchOptions options : many_options(this->options())) {
     SCOPED_TRACE(std::string(match_cost_name(options.cost)) + " window " + std::to_string(options.window_px));
     options.simd = Simd::kNone;
-    const std::vector<float> plain = disparities_of(pair, options);
+    const std::vector<float> plain = disparities_of(pair, options), round = disparities_of(pair, options, mask.data());
     if (!has(Simd::kAvx2)) continue;
     options.simd = Simd::kAvx2;
     EXPECT_EQ(plain, disparities_of(pair, options));
+    EXPECT_EQ(round, disparities_of(pair, options, mask.data()));
   }
 }
 
 TEST_P(EachSize, TheSecondCallKnowsNothingOfTheFirst) {
   const Pair pair = textured_pair(GetParam().size, 7);
   const Pair other = textured_pair(GetParam().size, 8);
+  const Mask round = ellipse(GetParam().size);
   for (const MatchOptions& options : many_options(this->options())) {
-    Matcher matcher(GetParam().size, options);
-    matcher.match(other.left.view(), other.right.view());
-    const DisparityView view = matcher.match(pair.left.view(), pair.right.view());
-    EXPECT_TRUE(std::ranges::equal(disparities_of(pair, options),
-                                   std::span(view.disparity_px.pixels, pair.left.pixels.size())));
+    for (const std::uint8_t* covered : {static_cast<const std::uint8_t*>(nullptr), round.data()}) {
+      Matcher matcher(GetParam().size, options);
+      matcher.match(other.left.view(), other.right.view());
+      const DisparityView view = matcher.match(pair.left.view(), pair.right.view(), covered, covered);
+      EXPECT_TRUE(std::ranges::equal(disparities_of(pair, options, covered),
+                                     std::span(view.disparity_px.pixels, pair.left.pixels.size())));
+    }
   }
 }
 

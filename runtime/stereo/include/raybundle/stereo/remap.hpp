@@ -8,6 +8,7 @@
 
 #include "raybundle/camera/camera.hpp"
 #include "raybundle/device/image_view.hpp"
+#include "raybundle/stereo/extent.hpp"
 #include "raybundle/stereo/rectified_camera.hpp"
 #include "raybundle/stereo/simd.hpp"
 
@@ -21,6 +22,10 @@ struct RemapTable {
   std::vector<std::int32_t> x_256;    ///< [1/256 px], size.width × size.height; 0 where there is no source
   std::vector<std::int32_t> y_256;    ///< [1/256 px]
   std::vector<std::uint8_t> covered;  ///< 1 where the camera's image shows the ray, else 0
+
+  Extent extent(int row) const {
+    return Extent::of(covered.data() + static_cast<std::ptrdiff_t>(row) * size.width, size.width);
+  }
 };
 
 /// @param rectified_from_camera  rotation
