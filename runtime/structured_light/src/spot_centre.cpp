@@ -24,7 +24,11 @@ constexpr double kHotPixelShare = 0.75;   // of a spot's light in its brightest 
 constexpr double kMostSaturated = 0.5;    // share of the light's pixels at the largest grey value
 constexpr double kLeastOverUnrest = 3.0;  // brightest pixel over the unrest of the surroundings
 
-using Window = std::array<float, kSide * kSide>;
+constexpr int kLanes = 16;  // of a row of the window, whose last ones stay zero: rows are worked on as vectors
+
+// Values around a place, its rows kLanes apart.
+using Row = std::array<float, kLanes>;
+using Window = std::array<Row, kSide>;
 
 struct Surroundings {
   float level = 0, slope_u = 0, slope_v = 0;  // of a plane
@@ -46,7 +50,7 @@ Surroundings surroundings_of(const Window& window, int rim) {
   for (int round = 0; round < 2; ++round) {
     float n = 0, sum = 0, su = 0, sv = 0, suu = 0, svv = 0, squares = 0;
     each([&](int u, int v) {
-      const float value = window[(v + kHalf) * kSide + u + kHalf];
+      const float value = window[v + kHalf][u + kHalf];
       const float fit = plane.level + plane.slope_u * static_cast<float>(u) + plane.slope_v * static_cast<float>(v);
       if (std::abs(value - fit) > limit) return;
       n += 1;
@@ -58,7 +62,7 @@ Surroundings surroundings_of(const Window& window, int rim) {
     plane = {sum / n, su / suu, sv / svv, 0};
     float kept = 0;
     each([&](int u, int v) {
-      const float value = window[(v + kHalf) * kSide + u + kHalf];
+      const float value = window[v + kHalf][u + kHalf];
       const float fit = plane.level + plane.slope_u * static_cast<float>(u) + plane.slope_v * static_cast<float>(v);
       if (limit < 1e9F && std::abs(value - fit) > limit) return;
       squares += (value - fit) * (value - fit);
@@ -70,19 +74,22 @@ Surroundings surroundings_of(const Window& window, int rim) {
   return plane;
 }
 
-// Weights along one axis: (1 - d²/r²)², and what the mean needs of them.
+// Weights along one axis: (1 - d²/r²)², zero beyond r, and what the mean needs of them.
 struct AxisWeights {
-  std::array<float, kSide> weight, moment, steep;  // of the window's indices from first to last
-  int first, last;
+  Row weight{}, moment{}, square{}, steep{};  // of the window's indices; times d, times d², and d moment / d d
+  int first, last;                            // that are not zero
 
   AxisWeights(double centre, double radius)
       : first(std::max(0, static_cast<int>(std::ceil(kHalf + centre - radius)))),
         last(std::min(kSide - 1, static_cast<int>(std::floor(kHalf + centre + radius)))) {
+    const auto per_r2 = static_cast<float>(1.0 / (radius * radius));
     for (int i = first; i <= last; ++i) {
-      const double d = i - kHalf - centre, inside = 1.0 - d * d / (radius * radius);
-      weight[i] = static_cast<float>(inside * inside);
-      moment[i] = static_cast<float>(inside * inside * d);
-      steep[i] = static_cast<float>(inside * inside - 4.0 * d * d / (radius * radius) * inside);  // d moment / d d
+      const auto d = static_cast<float>(i - kHalf - centre);
+      const float inside = 1.0F - d * d * per_r2;
+      weight[i] = inside * inside;
+      moment[i] = weight[i] * d;
+      square[i] = moment[i] * d;
+      steep[i] = weight[i] - 4.0F * d * d * per_r2 * inside;
     }
   }
 };
@@ -92,49 +99,51 @@ struct Moments {
   double steep_u = 0, steep_v = 0;
 };
 
-Moments moments_of(const Window& window, const AxisWeights& along_u, const AxisWeights& along_v,
-                   const Eigen::Vector2d& centre) {
-  Moments sums;
+double dot(const Row& a, const Row& b) {
+  return Eigen::Map<const Eigen::Array<float, kLanes, 1>>(a.data())
+      .cwiseProduct(Eigen::Map<const Eigen::Array<float, kLanes, 1>>(b.data()))
+      .sum();
+}
+
+Moments moments_of(const Window& window, const AxisWeights& along_u, const AxisWeights& along_v) {
+  Row light{}, v{}, vv{}, steep{};  // sums over columns
   for (int y = along_v.first; y <= along_v.last; ++y) {
-    float light = 0, u = 0, uu = 0, steep = 0;
-    for (int x = along_u.first; x <= along_u.last; ++x) {
-      const float value = window[y * kSide + x];
-      light += value * along_u.weight[x];
-      u += value * along_u.moment[x];
-      uu += value * along_u.moment[x] * (static_cast<float>(x - kHalf) - static_cast<float>(centre.x()));
-      steep += value * along_u.steep[x];
+    for (int x = 0; x < kLanes; ++x) {
+      const float value = window[y][x];
+      light[x] += along_v.weight[y] * value;
+      v[x] += along_v.moment[y] * value;
+      vv[x] += along_v.square[y] * value;
+      steep[x] += along_v.steep[y] * value;
     }
-    const double d = y - kHalf - centre.y();
-    sums.light += along_v.weight[y] * light;
-    sums.u += along_v.weight[y] * u;
-    sums.v += along_v.moment[y] * light;
-    sums.uu += along_v.weight[y] * uu;
-    sums.vv += along_v.moment[y] * d * light;
-    sums.uv += along_v.moment[y] * u;
-    sums.steep_u += along_v.weight[y] * steep;
-    sums.steep_v += along_v.steep[y] * light;
   }
-  return sums;
+  return {.light = dot(along_u.weight, light),
+          .u = dot(along_u.moment, light),
+          .v = dot(along_u.weight, v),
+          .uu = dot(along_u.square, light),
+          .vv = dot(along_u.weight, vv),
+          .uv = dot(along_u.moment, v),
+          .steep_u = dot(along_u.steep, light),
+          .steep_v = dot(along_u.weight, steep)};
 }
 
 // Whether most of the light is in one pixel, or the spot is cut off at the largest grey value.
-bool is_defect(const Window& window, const GreyView& on, int u0, int v0, double light) {
-  float peak = 0;
+bool is_defect(const Window& window, const GreyView& on, int u0, int v0, float peak, double light) {
+  if (peak > kHotPixelShare * light) return true;
   int lit = 0, saturated = 0;
-  for (const float value : window) peak = std::max(peak, value);
   for (int y = 0; y < kSide; ++y) {
+    const std::uint8_t* row = on.row(v0 + y - kHalf) + u0 - kHalf;
     for (int x = 0; x < kSide; ++x) {
-      if (window[y * kSide + x] < 0.3F * peak) continue;
-      ++lit;
-      saturated += on.at(u0 + x - kHalf, v0 + y - kHalf) == 255;
+      const bool bright = window[y][x] >= 0.3F * peak;
+      lit += bright;
+      saturated += bright & (row[x] == 255);
     }
   }
-  return peak > kHotPixelShare * light || (saturated > 4 && saturated > kMostSaturated * lit);
+  return saturated > 4 && saturated > kMostSaturated * lit;
 }
 
 // A spot's light above its surroundings, and its centre.
 struct Fit {
-  Window light;
+  Window light{};
   Surroundings plane;
   Eigen::Vector2d centre;  // from the window's middle
   Eigen::Matrix2d spread;  // of the light within the weights
@@ -154,14 +163,14 @@ std::optional<Fit> fit_spot(const Window& window, const Eigen::Vector2d& begin, 
   for (int y = 0; y < kSide; ++y) {
     const float level = fit.plane.level + fit.plane.slope_v * static_cast<float>(y - kHalf);
     for (int x = 0; x < kSide; ++x) {
-      fit.light[y * kSide + x] = window[y * kSide + x] - level - fit.plane.slope_u * static_cast<float>(x - kHalf);
+      fit.light[y][x] = window[y][x] - level - fit.plane.slope_u * static_cast<float>(x - kHalf);
     }
   }
   fit.centre = begin;
   fit.radius = std::min(4.0, double(rim));
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     const AxisWeights along_u(fit.centre.x(), fit.radius), along_v(fit.centre.y(), fit.radius);
-    fit.sums = moments_of(fit.light, along_u, along_v, fit.centre);
+    fit.sums = moments_of(fit.light, along_u, along_v);
     const Moments& sums = fit.sums;
     if (!(sums.light > 0.0 && sums.steep_u > 0.0 && sums.steep_v > 0.0)) return std::nullopt;
     fit.centre +=
@@ -181,18 +190,30 @@ std::optional<Fit> fit_spot(const Window& window, const Eigen::Vector2d& begin, 
 Eigen::Matrix2d covariance_of(const Fit& fit, const GreyView& on, int u0, int v0, double images,
                               const SpotNoise& noise) {
   const AxisWeights along_u(fit.centre.x(), fit.radius), along_v(fit.centre.y(), fit.radius);
-  const double unrest = fit.plane.sigma * fit.plane.sigma;
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  const float unrest = fit.plane.sigma * fit.plane.sigma;
+  const auto dark = static_cast<float>(images * (noise.read * noise.read + 1.0 / 12.0));
+  const auto per_grey = static_cast<float>(images * noise.grey_per_electron);
+  Row uu{}, uv{}, vv{};  // sums over columns of the noise times the squared weights along v
   for (int y = along_v.first; y <= along_v.last; ++y) {
     const std::uint8_t* row = on.row(v0 + y - kHalf) + u0 - kHalf;
-    for (int x = along_u.first; x <= along_u.last; ++x) {
-      const double shot = images * (noise.read * noise.read + noise.grey_per_electron * row[x] + 1.0 / 12.0);
-      const Eigen::Vector2d by(along_u.moment[x] * along_v.weight[y] / fit.sums.steep_u,
-                               along_u.weight[x] * along_v.moment[y] / fit.sums.steep_v);
-      covariance += std::max(shot, unrest) * by * by.transpose();
+    const float weight = along_v.weight[y], moment = along_v.moment[y];
+    for (int x = 0; x < kSide; ++x) {
+      const float variance = std::max(dark + per_grey * static_cast<float>(row[x]), unrest);
+      uu[x] += weight * weight * variance;
+      uv[x] += weight * moment * variance;
+      vv[x] += moment * moment * variance;
     }
   }
-  return covariance;
+  Row moment2{}, both{}, weight2{};
+  for (int x = 0; x < kLanes; ++x) {
+    moment2[x] = along_u.moment[x] * along_u.moment[x];
+    both[x] = along_u.moment[x] * along_u.weight[x];
+    weight2[x] = along_u.weight[x] * along_u.weight[x];
+  }
+  const Eigen::Vector2d steep(fit.sums.steep_u, fit.sums.steep_v);
+  Eigen::Matrix2d covariance;
+  covariance << dot(moment2, uu), dot(both, uv), dot(both, uv), dot(weight2, vv);
+  return covariance.cwiseQuotient(steep * steep.transpose());
 }
 
 }  // namespace
@@ -202,13 +223,13 @@ std::optional<Spot> spot_centre(const GreyView& on, const GreyView& off, const E
   const int u0 = static_cast<int>(start.x()), v0 = static_cast<int>(start.y());
   if (u0 < kHalf || v0 < kHalf || u0 + kHalf >= on.width || v0 + kHalf >= on.height) return std::nullopt;
   const bool difference = off.pixels != nullptr;
-  Window window;
+  Window window{};
   for (int y = 0; y < kSide; ++y) {
     const std::uint8_t* row = on.row(v0 + y - kHalf) + u0 - kHalf;
-    for (int x = 0; x < kSide; ++x) window[y * kSide + x] = row[x];
+    for (int x = 0; x < kSide; ++x) window[y][x] = row[x];
     if (!difference) continue;
     row = off.row(v0 + y - kHalf) + u0 - kHalf;
-    for (int x = 0; x < kSide; ++x) window[y * kSide + x] -= row[x];
+    for (int x = 0; x < kSide; ++x) window[y][x] -= row[x];
   }
   // Near surroundings, for light is uneven; farther ones for spots that reach into them.
   const Eigen::Vector2d begin = start - Eigen::Vector2d(u0, v0);
@@ -221,8 +242,9 @@ std::optional<Spot> spot_centre(const GreyView& on, const GreyView& off, const E
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(fit->spread);
   const double longer = axes.eigenvalues()[1], shorter = axes.eigenvalues()[0];
   if (!(shorter > 0.0) || longer > kMostElongated * kMostElongated * shorter) return std::nullopt;
-  const float peak = *std::max_element(fit->light.begin(), fit->light.end());
-  if (peak < kLeastOverUnrest * fit->plane.sigma || is_defect(fit->light, on, u0, v0, fit->sums.light)) {
+  float peak = 0;
+  for (const Row& row : fit->light) peak = std::max(peak, *std::max_element(row.begin(), row.begin() + kSide));
+  if (peak < kLeastOverUnrest * fit->plane.sigma || is_defect(fit->light, on, u0, v0, peak, fit->sums.light)) {
     return std::nullopt;
   }
   return Spot{fit->centre + Eigen::Vector2d(u0, v0), covariance_of(*fit, on, u0, v0, difference ? 2.0 : 1.0, noise),
