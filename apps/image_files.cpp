@@ -25,13 +25,6 @@
 namespace raybundle::apps {
 namespace {
 
-bool is_video(const std::string& path) {
-  static constexpr std::array kEndings{".mp4", ".avi", ".mkv", ".mov", ".webm"};
-  std::string ending = std::filesystem::path(path).extension().string();
-  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::ranges::find(kEndings, ending) != kEndings.end();
-}
-
 std::vector<std::string> glob_files(const std::string& pattern) {
   glob_t found{};
   std::vector<std::string> files;
@@ -81,6 +74,27 @@ bool truncated(const std::string& path) {
 }
 
 }  // namespace
+
+bool is_video(const std::string& path) {
+  static constexpr std::array kEndings{".mp4", ".avi", ".mkv", ".mov", ".webm"};
+  std::string ending = std::filesystem::path(path).extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return std::ranges::find(kEndings, ending) != kEndings.end();
+}
+
+struct GreyVideo::Data {
+  cv::VideoCapture video;
+  cv::Mat image;
+};
+
+GreyVideo::GreyVideo(const std::string& path) : data_(std::make_unique<Data>(cv::VideoCapture(path), cv::Mat())) {}
+GreyVideo::~GreyVideo() = default;
+
+cv::Mat GreyVideo::next() {
+  cv::Mat grey;
+  if (data_->video.read(data_->image)) cv::cvtColor(data_->image, grey, cv::COLOR_BGR2GRAY);
+  return grey;
+}
 
 std::vector<std::string> matching_files(const std::string& folder, const std::vector<std::string>& patterns) {
   std::vector<std::string> files;
@@ -137,14 +151,10 @@ std::string for_each_frame(const ImageFile& file,
     if (!gray.empty()) use(gray, file.frame);
     return reason;
   }
-  cv::VideoCapture video(file.path);
-  cv::Mat image, gray;
+  GreyVideo video(file.path);
   int count = 0;
-  for (; video.read(image); ++count) {
-    cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
-    use(gray, std::to_string(count));
-  }
-  return count == 0 ? "not a video that can be decoded" : "";
+  for (cv::Mat grey = video.next(); !grey.empty(); grey = video.next()) use(grey, std::to_string(count++));
+  return count == 0 ? kNoVideo : "";
 }
 
 std::vector<std::string> for_each_frame(

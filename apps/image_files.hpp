@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <opencv2/core/mat.hpp>
 #include <string>
 #include <vector>
@@ -29,6 +30,25 @@ std::vector<ImageFile> image_files(int camera, const std::string& folder, const 
 
 /// An 8- or 16-bit grey image; empty, with the reason set, when the file is truncated or no image.
 cv::Mat read_gray(const std::string& path, std::string& reason);
+
+inline constexpr const char* kNoVideo = "not a video that can be decoded";  ///< why a video has no first frame
+
+/// Whether a path ends as those of videos do.
+bool is_video(const std::string& path);
+
+/// The grey frames of a video, one after the other.
+class GreyVideo {
+ public:
+  explicit GreyVideo(const std::string& path);
+  ~GreyVideo();
+
+  /// @return  the next frame, of 8 bits; empty behind the last one that can be decoded, be there any or not
+  cv::Mat next();
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
 
 /// Calls use(gray, frame) for the image, or for every frame of the video in order, with its frame name.
 ///

@@ -5,8 +5,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <opencv2/core.hpp>
+#include <optional>
+#include <utility>
 
 #include "image_files.hpp"
 #include "raybundle/geometry/error.hpp"
@@ -42,17 +45,19 @@ void require_none(const std::vector<std::string>& lonely, const char* counterpar
               lonely.front());
 }
 
-cv::Mat read(const std::string& path, const SensorTable& table) {
+void require_size(const cv::Mat& image, const std::string& path, const SensorTable& table) {
+  const ImageSize& size = table.rays.size;
+  if (image.cols == size.width && image.rows == size.height) return;
+  throw Error(ErrorKind::kBadInput,
+              fmt::format("is of {}x{} pixels, and camera {} was calibrated with {}x{}", image.cols, image.rows,
+                          table.camera, size.width, size.height),
+              path);
+}
+
+cv::Mat read(const std::string& path) {
   std::string reason;
   cv::Mat image = read_gray(path, reason);
   if (image.empty()) throw Error(ErrorKind::kIo, reason.empty() ? "is no image" : reason, path);
-  const ImageSize& size = table.rays.size;
-  if (image.cols != size.width || image.rows != size.height) {
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("is of {}x{} pixels, and camera {} was calibrated with {}x{}", image.cols, image.rows,
-                            table.camera, size.width, size.height),
-                path);
-  }
   return image;
 }
 
@@ -66,6 +71,14 @@ double full_scale(const ShotImages& images) {
     largest = std::max(largest, most);
   }
   return largest < 1024.0 ? 1023.0 : largest < 4096.0 ? 4095.0 : 65535.0;
+}
+
+ShotImages in_8_bits(ShotImages images) {
+  const double full = full_scale(images);
+  for (cv::Mat* image : {&images.on, &images.off}) {
+    if (!image->empty() && image->depth() != CV_8U) image->convertTo(*image, CV_8U, 255.0 / full);
+  }
+  return images;
 }
 
 }  // namespace
@@ -91,13 +104,36 @@ std::vector<LaserShot> laser_shots(const std::vector<std::string>& on, const std
   return shots;
 }
 
-ShotImages shot_images(const LaserShot& shot, const SensorTable& table) {
-  ShotImages images{read(shot.on, table), shot.off.empty() ? cv::Mat() : read(shot.off, table)};
-  const double full = full_scale(images);
-  for (cv::Mat* image : {&images.on, &images.off}) {
-    if (!image->empty() && image->depth() != CV_8U) image->convertTo(*image, CV_8U, 255.0 / full);
+void for_each_moment(const LaserShot& shot, const SensorTable& table,
+                     const std::function<bool(const ShotImages& images, const std::string& name)>& use) {
+  const std::string name = std::filesystem::path(shot.on).stem().string();
+  const auto checked = [&](ShotImages images) {
+    require_size(images.on, shot.on, table);
+    if (!images.off.empty()) require_size(images.off, shot.off, table);
+    return in_8_bits(std::move(images));
+  };
+  if (is_video(shot.on) != is_video(shot.off) && !shot.off.empty()) {
+    throw Error(ErrorKind::kBadInput, "one of laser on and off is a video and the other one an image", shot.off);
   }
-  return images;
+  if (!is_video(shot.on)) {
+    use(checked({read(shot.on), shot.off.empty() ? cv::Mat() : read(shot.off)}), name);
+    return;
+  }
+  GreyVideo on(shot.on);
+  std::optional<GreyVideo> off;
+  if (!shot.off.empty()) off.emplace(shot.off);
+  for (int count = 0;; ++count) {
+    const cv::Mat image = on.next();
+    if (image.empty() && count == 0) throw Error(ErrorKind::kIo, kNoVideo, shot.on);
+    if (image.empty()) return;
+    const cv::Mat dark = off ? off->next() : cv::Mat();
+    if (off && dark.empty()) {
+      throw Error(count == 0 ? ErrorKind::kIo : ErrorKind::kBadInput,
+                  count == 0 ? kNoVideo : fmt::format("ends behind {} frames, before the one with the laser on", count),
+                  shot.off);
+    }
+    if (!use(checked({image, dark}), fmt::format("{}_{:06}", name, count))) return;
+  }
 }
 
 GreyView view_of(const cv::Mat& image) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <opencv2/core/mat.hpp>
 #include <string>
 #include <vector>
@@ -30,8 +31,13 @@ struct ShotImages {
   cv::Mat off;  ///< empty: none
 };
 
-/// @throws Error(kIo) when a file cannot be read, Error(kBadInput) for an image of another size than the table's
-ShotImages shot_images(const LaserShot& shot, const SensorTable& table);
+/// Calls use(images, name) for what the files of a shot show: once for images, for every frame of videos, whose names
+/// count them from 0. `use` says whether to go on.
+///
+/// @throws Error(kIo) when a file cannot be read, Error(kBadInput) for an image of another size than the table's, or a
+///         video with the laser off that is shorter than the one with it on
+void for_each_moment(const LaserShot& shot, const SensorTable& table,
+                     const std::function<bool(const ShotImages& images, const std::string& name)>& use);
 
 /// As the runtime takes it; an empty image is one without pixels.
 GreyView view_of(const cv::Mat& image);

@@ -55,27 +55,13 @@ class Reconstruction {
                "sigma mm", "state");
   }
 
-  void take(const LaserShot& shot) {
-    const std::string name = fs::path(shot.on).stem().string();
-    if (names_.contains(name)) {
-      throw Error(ErrorKind::kBadInput,
-                  "two images are called " + name +
-                      ", and their results would be one file; "
-                      "reconstruct them into folders of their own",
-                  shot.on);
-    }
-    const ShotImages images = shot_images(shot, table_);
-    const LaserFrame& frame = sensor_.process(view_of(images.on), view_of(images.off));
-    const LaserFrameFiles files = laser_frame_files(frame, table_, shot.on, images.on);
-    const fs::path folder(flags_.output);
-    write_results(folder, {{folder / (name + ".json"), files.json},
-                           {folder / (name + ".ply"), files.ply},
-                           {folder / (name + ".glb"), files.glb},
-                           {folder / (name + ".html"), files.html}});
-    flags_.json ? static_cast<void>(fmt::print("{}\n", files.json)) : print_row(name, frame);
-    names_.insert(name);
-    state_ = frame.state;
-    if (frame.health.state == State::kInvalid) say_turned(name, frame.health);
+  /// @return  whether to go on: not once there are --frames
+  bool take(const LaserShot& shot) {
+    for_each_moment(shot, table_, [&](const ShotImages& images, const std::string& name) {
+      take(images, name, shot.on);
+      return taken() != flags_.frames;
+    });
+    return taken() != flags_.frames;
   }
 
   int taken() const { return static_cast<int>(names_.size()); }
@@ -89,6 +75,27 @@ class Reconstruction {
   }
 
  private:
+  void take(const ShotImages& images, const std::string& name, const std::string& path) {
+    if (names_.contains(name)) {
+      throw Error(ErrorKind::kBadInput,
+                  "two images are called " + name +
+                      ", and their results would be one file; "
+                      "reconstruct them into folders of their own",
+                  path);
+    }
+    const LaserFrame& frame = sensor_.process(view_of(images.on), view_of(images.off));
+    const LaserFrameFiles files = laser_frame_files(frame, table_, path, images.on);
+    const fs::path folder(flags_.output);
+    write_results(folder, {{folder / (name + ".json"), files.json},
+                           {folder / (name + ".ply"), files.ply},
+                           {folder / (name + ".glb"), files.glb},
+                           {folder / (name + ".html"), files.html}});
+    flags_.json ? static_cast<void>(fmt::print("{}\n", files.json)) : print_row(name, frame);
+    names_.insert(name);
+    state_ = frame.state;
+    if (frame.health.state == State::kInvalid) say_turned(name, frame.health);
+  }
+
   static void say_turned(const std::string& name, const HealthReport& health) {
     const bool lately = health.recent_statistic > health.statistic;
     const Eigen::Vector3d& turn = lately ? health.recent_turn_rad : health.turn_rad;
@@ -121,19 +128,20 @@ class Reconstruction {
 
 void run(const Flags& flags) {
   if (flags.images.empty() == flags.watch.empty()) {
-    throw Error(ErrorKind::kBadInput, "give images, or a folder with --watch, and not both");
+    throw Error(ErrorKind::kBadInput, "give images or a video, or a folder with --watch, and not both");
   }
   if (!flags.watch.empty() && !flags.off.empty()) {
     throw Error(ErrorKind::kBadInput, "--watch takes images with the laser on only; leave out --off");
   }
   const std::vector<LaserShot> shots = laser_shots(files_of(flags.images), files_of(flags.off));
   Reconstruction reconstruction(flags);
-  for (const LaserShot& shot : shots) reconstruction.take(shot);
-  if (!flags.watch.empty()) {
-    watch_folder(flags.watch, [&](const std::string& path) {
-      reconstruction.take({path, ""});
-      return reconstruction.taken() != flags.frames;
-    });
+  for (const LaserShot& shot : shots) {
+    if (!reconstruction.take(shot)) break;
+  }
+  if (is_video(flags.watch)) {
+    reconstruction.take({flags.watch, ""});
+  } else if (!flags.watch.empty()) {
+    watch_folder(flags.watch, [&](const std::string& path) { return reconstruction.take({path, ""}); });
   }
   reconstruction.finish();
 }
@@ -146,13 +154,13 @@ void add_structured_light_reconstruction(CLI::App& reconstruct) {
   verb->add_option("sensor", flags->sensor, "calibration.json, or a table of `export --runtime structured-light`")
       ->required()
       ->type_name("CALIBRATION");
-  verb->add_option("images", flags->images, "with the laser on; patterns in quotes")->type_name("IMAGE");
+  verb->add_option("images", flags->images, "with the laser on, or a video; patterns in quotes")->type_name("IMAGE");
   verb->add_option("--off", flags->off, "the same moments with the laser off: of the same digits, or in the same order")
       ->type_name("IMAGE");
   verb->add_option("-o,--output", flags->output, "folder to write")->type_name("DIR")->required();
-  verb->add_option("--watch", flags->watch, "take images as they come into a folder, until interrupted")
+  verb->add_option("--watch", flags->watch, "take images as they come into a folder, until interrupted, or a video")
       ->type_name("DIR");
-  verb->add_option("--frames", flags->frames, "with --watch: end after so many")->check(CLI::Range(1, 1 << 30));
+  verb->add_option("--frames", flags->frames, "end after so many")->check(CLI::Range(1, 1 << 30));
   std::vector<std::string> names;
   for (const Labeller& labeller : kLabellers) names.emplace_back(labeller.name);
   verb->add_option("--labels", flags->labeller, "how dots get their beams")

@@ -13,6 +13,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
 #include <thread>
 
 #include "browser.hpp"
@@ -177,6 +178,35 @@ TEST_F(StructuredLightProgram, TakesImagesAsTheyComeIntoAFolder) {
   for (const std::string& image : on_) {
     EXPECT_TRUE(fs::exists(folder_ / "points" / (fs::path(image).stem().string() + ".json"))) << image;
   }
+}
+
+// Frames of a video, with one without the laser beside it or not, say what the images say that they were made of.
+TEST_F(StructuredLightProgram, TakesTheFramesOfVideos) {
+  const auto video_of = [&](const std::vector<std::string>& images, const char* name) {
+    const std::string path = (folder_ / name).string();
+    const cv::Mat first = cv::imread(images[0]);
+    cv::VideoWriter video(path, cv::VideoWriter::fourcc('F', 'F', 'V', '1'), 10, first.size());  // loses nothing
+    for (const std::string& image : images) video.write(cv::imread(image));
+    return path;
+  };
+  const std::string on = video_of(on_, "lit.avi"), off = video_of(off_, "dark.avi");
+  const auto points_of = [&](std::vector<std::string> arguments, const std::string& name) {
+    arguments.insert(arguments.begin(), truth_);
+    const ProgramRun run = reconstruct(arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return json_of(folder_ / "points" / (name + ".json"))["points"];
+  };
+  const nlohmann::json second = points_of({on, "--off", off}, "lit_000001");
+  EXPECT_EQ(second, points_of({on_[0], on_[1], "--off", off_[0], off_[1]}, fs::path(on_[1]).stem().string()));
+  EXPECT_GT(second.size(), 5u);
+  fs::remove_all(folder_ / "points");
+  EXPECT_GT(points_of({"--watch", on, "--frames", "1"}, "lit_000000").size(), 5u);
+  EXPECT_FALSE(fs::exists(folder_ / "points/lit_000001.json"));
+
+  EXPECT_EQ(reconstruct({truth_, on, "--off", off_[0]}).exit_code, 2);
+  EXPECT_EQ(reconstruct({truth_, on, "--off", video_of({off_[0]}, "short.avi")}).exit_code, 2);
+  write_text(folder_ / "no.mp4", "no video");
+  EXPECT_EQ(reconstruct({truth_, (folder_ / "no.mp4").string()}).exit_code, 5);
 }
 
 // The program in the background, to be interrupted.
