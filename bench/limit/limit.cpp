@@ -219,7 +219,7 @@ BundleSummary solve(const CalibrationProblem& problem, BundleState& state) {
   std::vector<Normal> there(views.size());
   BundleSummary summary;
   double cost = summary.initial_cost = linearize(views, point, here);
-  double radius = 1e4;
+  double radius = 1e6;
   double shrink = 2;
   Point candidate;
   while (summary.iterations++ < 100 && radius > 1e-32) {

@@ -2,31 +2,49 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "raybundle/bundle/bundle.hpp"
 
-#include <limits>
+#include <cmath>
+
+#include "projected.hpp"
 
 namespace raybundle {
 namespace {
 
 // Pixel of each observation of a view; NaN where the model does not project it.
-std::vector<Eigen::Vector2d> projected(const CalibrationProblem& problem, const BundleState& state, int view) {
+//
+// @param points  of the view's target, on its surface
+Eigen::MatrixX2d projected_corners(const CalibrationProblem& problem, const BundleState& state, int view,
+                                   const std::vector<Eigen::Vector3d>& points) {
   const TargetView& seen = problem.views[view];
+  const auto count = static_cast<Eigen::Index>(seen.observations.size());
+  if (state.pose_of_view[view] < 0) return Eigen::MatrixX2d::Constant(count, 2, std::nan(""));
   const Target& target = problem.targets[seen.target];
-  const Camera& camera = state.cameras[seen.camera];
-  const std::vector<Eigen::Vector3d> points = points_on_surface(target, state.shapes[seen.target]);
-  std::vector<Eigen::Vector2d> pixels(seen.observations.size(),
-                                      Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN()));
-  if (state.pose_of_view[view] < 0) return pixels;
   const Rigid3 pose = camera_from_target(problem, state, view);
-  with_model(camera.model, [&]<CameraModel M>() {
-    for (std::size_t i = 0; i < pixels.size(); ++i) {
-      const TargetPoint* point = target.find(seen.observations[i].point_id);
-      const Eigen::Vector3d& x = points[point - target.points.data()];
-      const Eigen::Vector3d ray = point->infinitely_far ? Eigen::Vector3d(pose.rotation * x) : pose * x;
-      Eigen::Vector2d pixel;
-      if (pixel_from_ray<M>(camera.parameters.data(), ray.data(), pixel.data())) pixels[i] = pixel;
-    }
-  });
-  return pixels;
+  const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
+  Eigen::MatrixX3d points_in_camera(count, 3);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const TargetPoint* point = target.find(seen.observations[static_cast<std::size_t>(i)].point_id);
+    Eigen::Vector3d x = rotation * points[point - target.points.data()];
+    if (!point->infinitely_far) x += pose.translation;
+    points_in_camera.row(i) = x;
+  }
+  return projected(state.cameras[seen.camera], points_in_camera);
+}
+
+std::vector<Eigen::Vector2d> residuals_of(const TargetView& view, const Eigen::MatrixX2d& pixels) {
+  std::vector<Eigen::Vector2d> residuals;
+  residuals.reserve(view.observations.size());
+  for (const Observation& observation : view.observations) {
+    residuals.push_back(observation.pixel - pixels.row(static_cast<Eigen::Index>(residuals.size())).transpose());
+  }
+  return residuals;
+}
+
+std::vector<std::vector<Eigen::Vector3d>> surfaces(const CalibrationProblem& problem, const BundleState& state) {
+  std::vector<std::vector<Eigen::Vector3d>> points;
+  for (std::size_t t = 0; t < problem.targets.size(); ++t) {
+    points.push_back(points_on_surface(problem.targets[t], state.shapes[t]));
+  }
+  return points;
 }
 
 }  // namespace
@@ -36,25 +54,35 @@ Rigid3 camera_from_target(const CalibrationProblem& problem, const BundleState& 
 }
 
 std::vector<Eigen::Vector2d> view_residuals(const CalibrationProblem& problem, const BundleState& state, int view) {
-  std::vector<Eigen::Vector2d> residuals = projected(problem, state, view);
-  for (std::size_t i = 0; i < residuals.size(); ++i) {
-    residuals[i] = problem.views[view].observations[i].pixel - residuals[i];
+  const TargetView& seen = problem.views[view];
+  const auto points = points_on_surface(problem.targets[seen.target], state.shapes[seen.target]);
+  return residuals_of(seen, projected_corners(problem, state, view, points));
+}
+
+std::vector<std::vector<Eigen::Vector2d>> all_residuals(const CalibrationProblem& problem, const BundleState& state) {
+  const auto points = surfaces(problem, state);
+  std::vector<std::vector<Eigen::Vector2d>> residuals;
+  for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
+    const TargetView& view = problem.views[v];
+    residuals.push_back(residuals_of(view, projected_corners(problem, state, v, points[view.target])));
   }
   return residuals;
 }
 
 void mark_projectable(const CalibrationProblem& problem, BundleState& state) {
+  const auto points = surfaces(problem, state);
   state.fates.resize(problem.views.size());
   for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
     std::vector<ObservationFate>& fates = state.fates[v];
     fates.resize(problem.views[v].observations.size(), ObservationFate::kUsed);
-    const std::vector<Eigen::Vector2d> pixels = projected(problem, state, v);
+    const Eigen::MatrixX2d pixels = projected_corners(problem, state, v, points[problem.views[v].target]);
     for (std::size_t i = 0; i < fates.size(); ++i) {
       if (fates[i] == ObservationFate::kOutlier) continue;
       if (state.pose_of_view[v] < 0) {
         fates[i] = ObservationFate::kViewSetAside;
       } else {
-        fates[i] = pixels[i].allFinite() ? ObservationFate::kUsed : ObservationFate::kUnprojectable;
+        const bool projects = pixels.row(static_cast<Eigen::Index>(i)).allFinite();
+        fates[i] = projects ? ObservationFate::kUsed : ObservationFate::kUnprojectable;
       }
     }
   }

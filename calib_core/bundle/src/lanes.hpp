@@ -87,4 +87,15 @@ class Lanes {
   Vector vector_;
 };
 
+[[gnu::always_inline]] inline void load(const double* from, double& number) { number = *from; }
+[[gnu::always_inline]] inline void load(const double* from, Lanes& lanes) { lanes = Lanes::from(from); }
+[[gnu::always_inline]] inline void store(double number, double* to) { *to = number; }
+[[gnu::always_inline]] inline void store(const Lanes& lanes, double* to) { lanes.store(to); }
+
+/// Camera models whose formulas are written for any number.
+template <typename M>
+concept TakesLanes = requires(const Lanes* in, Lanes* out) {
+  M::plane_from_ray(in, in, out, out, out);
+};
+
 }  // namespace raybundle

@@ -10,15 +10,11 @@
 namespace raybundle {
 namespace {
 
-// Tight: what is left after the last step is far below every sigma, so that answers do not depend on the order of the
-// views, and exact data give the exact answer.
-constexpr double kCostTolerance = 1e-14;  // relative decrease of the cost
-constexpr double kStepTolerance = 1e-12;  // of the step, relative to the unknowns
-
-constexpr double kSmallestGain = 1e-3;  // of a step that is taken: decrease over what was predicted
+constexpr double kStepTolerance = 1e-12;  // of a step that ends the solve, relative to the unknowns
+constexpr double kSmallestGain = 1e-3;    // of a step that is taken: decrease over what was predicted
 
 // How far the quadratic model is trusted: the inverse of the damping. Source: Nielsen, "Damping parameter in
-// Marquardt's method", 1999, as in Ceres, with its constants.
+// Marquardt's method", 1999, as in Ceres, with its constants; but the first radius is that of starts which are near.
 class TrustRegion {
  public:
   double radius() const { return radius_; }
@@ -35,7 +31,7 @@ class TrustRegion {
   }
 
  private:
-  double radius_ = 1e4;
+  double radius_ = 1e6;
   double shrink_ = 2.0;
 };
 
@@ -56,7 +52,7 @@ bool negligible(const Step& step, const Unknowns& unknowns) {
 }
 
 // Levenberg-Marquardt from the unknowns to the optimum.
-BundleSummary minimize(NormalEquations& equations, Unknowns& unknowns, int max_iterations) {
+BundleSummary minimize(NormalEquations& equations, Unknowns& unknowns, const BundleOptions& options) {
   BundleSummary summary;
   Linearization here;
   if (!equations.linearize(unknowns, here) || !std::isfinite(here.cost)) {
@@ -73,7 +69,8 @@ BundleSummary minimize(NormalEquations& equations, Unknowns& unknowns, int max_i
   Linearization there;
   TrustRegion region;
   while (!region.vanished()) {
-    if (summary.iterations == max_iterations) return finish(Termination::kIterationLimit, "iteration limit reached");
+    if (summary.iterations == options.max_iterations)
+      return finish(Termination::kIterationLimit, "iteration limit reached");
     const std::optional<Step> step = equations.step(unknowns, here, region.radius());
     ++summary.iterations;
     if (!step) {
@@ -82,7 +79,7 @@ BundleSummary minimize(NormalEquations& equations, Unknowns& unknowns, int max_i
       continue;
     }
     if (negligible(*step, unknowns)) return finish(Termination::kConverged, "the steps have become negligible");
-    if (step->predicted_decrease <= kCostTolerance * here.cost) {
+    if (step->predicted_decrease <= options.settled * here.cost) {
       return finish(Termination::kConverged, "no step lowers the cost any more");
     }
     Unknowns candidate = equations.moved(unknowns, *step);
@@ -96,7 +93,7 @@ BundleSummary minimize(NormalEquations& equations, Unknowns& unknowns, int max_i
     } else {
       region.refuse();
     }
-    if (projectable && std::abs(decrease) <= kCostTolerance * here.cost) {
+    if (projectable && std::abs(decrease) <= options.settled * here.cost) {
       return finish(Termination::kConverged, "the cost does not change any more");
     }
   }
@@ -121,7 +118,7 @@ BundleSummary solve_bundle(const CalibrationProblem& problem, BundleState& state
   }
   Unknowns unknowns(state);
   centre_beams(equations.dots(), unknowns);
-  BundleSummary summary = minimize(equations, unknowns, options.max_iterations);
+  BundleSummary summary = minimize(equations, unknowns, options);
   summary.message += refusals_of(problem, equations);
   if (summary.termination == Termination::kFailed) return summary;
   centre_beams(equations.dots(), unknowns);

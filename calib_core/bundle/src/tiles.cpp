@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tiles.hpp"
 
-#include "target_clones.hpp"
+#include "raybundle/geometry/target_clones.hpp"
 
 namespace raybundle {
 namespace {

@@ -49,10 +49,13 @@ bool linearize_view(const ViewData& view, const ViewPoint& point, const ViewBloc
   const MotionMap map(point);
   if (!fill_rows(view, point, map, options, rows)) return false;
   ViewBlock::Rows full = ViewBlock::Rows::Zero(2 * rows.corners + 1, rows.unknowns() + 1);
-  for (int axis = 0; axis < 2; ++axis) {
-    const Eigen::MatrixXd& side = axis == 0 ? rows.u : rows.v;
-    for (int column = 0; column < rows.columns(); ++column) {
-      for (int i = 0; i < rows.corners; ++i) full(2 * i + axis, ViewRows::full_column(column, axis)) = side(i, column);
+  for (int i = 0; i < rows.corners; ++i) {
+    for (int axis = 0; axis < 2; ++axis) {
+      const Eigen::MatrixXd& side = axis == 0 ? rows.u : rows.v;
+      double* row = &full(2 * i + axis, 0);
+      for (int column = 0; column < rows.columns(); ++column) {
+        row[ViewRows::full_column(column, axis)] = side(i, column);
+      }
     }
   }
   const int intrinsics = 4 + rows.model_shape_size;

@@ -6,7 +6,7 @@
 
 #include "lanes.hpp"
 #include "raybundle/geometry/rotation.hpp"
-#include "target_clones.hpp"
+#include "raybundle/geometry/target_clones.hpp"
 
 namespace raybundle {
 namespace {
@@ -17,11 +17,6 @@ struct Corners {
   Eigen::VectorXd weight;    // 1/sigma, later with the root of ρ'
   Eigen::VectorXd nearness;  // as ViewData
 };
-
-[[gnu::always_inline]] inline void load(const double* from, double& number) { number = *from; }
-[[gnu::always_inline]] inline void load(const double* from, Lanes& lanes) { lanes = Lanes::from(from); }
-[[gnu::always_inline]] inline void store(double number, double* to) { *to = number; }
-[[gnu::always_inline]] inline void store(const Lanes& lanes, double* to) { lanes.store(to); }
 
 // What the model says of corner i, or of the Lanes::kCount from there on, into the columns where it stays: plane point,
 // its derivatives by the model's shape and, in the columns of the translation, by the ray.
@@ -59,11 +54,6 @@ template <CameraModel M, typename Number>
   }
   return true;
 }
-
-template <typename M>
-concept TakesLanes = requires(const Lanes* in, Lanes* out) {
-  M::plane_from_ray(in, in, out, out, out);
-};
 
 template <CameraModel M>
 RAYBUNDLE_TARGET_CLONES [[gnu::flatten]] bool project(const ViewData& view, const ViewPoint& point,
@@ -168,7 +158,7 @@ void resize(const ViewData& view, const ViewBlockOptions& options, int model_sha
   rows.corners = static_cast<int>(view.pixel.rows());
   rows.model_shape_size = model_shape_size;
   rows.with_shape = options.with_shape;
-  const int padded = (rows.corners + ViewRows::kRowBlock - 1) / ViewRows::kRowBlock * ViewRows::kRowBlock;
+  const Eigen::Index padded = ViewRows::padded(rows.corners);
   for (Eigen::MatrixXd* side : {&rows.u, &rows.v}) {
     side->resize(padded, rows.columns());
     side->bottomRows(padded - rows.corners).setZero();

@@ -22,6 +22,7 @@ struct ViewRows {
   double weighted_chi2 = 0.0;  ///< sum of s ρ'(s): of the squared residual columns
 
   static constexpr int kRowBlock = 4;
+  static Eigen::Index padded(Eigen::Index rows) { return (rows + kRowBlock - 1) / kRowBlock * kRowBlock; }
   int motion() const { return 2 + model_shape_size; }  ///< first of its six columns
   int columns() const { return motion() + 6 + (with_shape ? 3 : 0) + 1; }
   int unknowns() const { return columns() + 1; }  ///< fx fy cx cy, ... instead of focal and principal; without residual

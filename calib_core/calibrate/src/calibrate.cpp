@@ -132,6 +132,7 @@ CalibrationResult calibrate_in_order(const CalibrationProblem& problem, const Ca
   }
   BundleOptions bundle;
   bundle.estimate_shape = solve.shape_estimated;
+  bundle.threads = options.threads;
   {
     const Stopwatch stopwatch(result.stages, "uncertainty");
     fill_covariance(sub.problem, state, bundle, result);

@@ -28,8 +28,9 @@ void solve_camera_alone(const CalibrationProblem& problem, int camera, const Cal
   solve_robustly(single.problem, state, options);
   if (give_second_chance(single.problem, state, options, reasons)) solve_robustly(single.problem, state, options);
   const BundleSummary solved = solve_without_outliers(single.problem, state, options, false, reasons);
-  alone.summaries[camera] = leave_local_optima(single.problem, state, options, reasons, solved);
-  if (problem.cameras.size() == 1) refuse_open_lens(single.problem, state);
+  const CameraOptimum optimum = leave_local_optima(single.problem, state, options, reasons, solved);
+  alone.summaries[camera] = optimum.summary;
+  if (problem.cameras.size() == 1) refuse_open_lens(single.problem, state, optimum.projection_sigma_px);
   alone.cameras[camera] = state.cameras[0];
   std::vector<std::optional<Rigid3>> mirrored(single.views.size());
   if (problem.cameras.size() > 1) mirrored = mirrored_boards(single.problem, state);

@@ -114,11 +114,11 @@ void try_laser(const CalibrateOptions& options, const BundleOptions& bundle, dou
 
 void fill_covariance(const CalibrationProblem& problem, const BundleState& state, const BundleOptions& options,
                      CalibrationResult& result) {
-  const ReducedInformation information = reduced_information(problem, state, options);
+  const std::vector<FrameInformation> frames = information_by_frame(problem, state, options);
+  const ReducedInformation information = reduced_information(problem, state, options, frames);
   const CovarianceResult known = covariance(information);
   result.calibration.covariance = known.covariance;
   result.variance_factor = known.variance_factor;
-  const std::vector<FrameInformation> frames = information_by_frame(problem, state, options);
   result.calibration.covariance_by_frame.reset();
   if (static_cast<int>(frames.size()) >= kFewestFrames) {
     result.calibration.covariance_by_frame =

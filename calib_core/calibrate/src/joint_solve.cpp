@@ -75,9 +75,10 @@ BundleSummary solve_rig(const CalibrationProblem& problem, BundleState& state, c
 double chi2_in_common(const CalibrationProblem& problem, const BundleState& state, const BundleState& other,
                       double& corners) {
   double chi2 = corners = 0.0;
-  for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
+  const std::vector<std::vector<Eigen::Vector2d>> of_views = all_residuals(problem, state);
+  for (std::size_t v = 0; v < problem.views.size(); ++v) {
     if (state.pose_of_view[v] < 0 || other.pose_of_view[v] < 0) continue;
-    const std::vector<Eigen::Vector2d> residuals = view_residuals(problem, state, v);
+    const std::vector<Eigen::Vector2d>& residuals = of_views[v];
     for (std::size_t i = 0; i < residuals.size(); ++i) {
       const bool both = state.fates[v][i] == ObservationFate::kUsed && other.fates[v][i] == ObservationFate::kUsed;
       if (!both) continue;
@@ -91,13 +92,13 @@ double chi2_in_common(const CalibrationProblem& problem, const BundleState& stat
 
 constexpr double kSmallestGain = 0.02;  // in the sum of squares, of a bent board
 
-// Whether bending the boards could lower the squared residuals enough: from a flat optimum two Gauss-Newton steps bring
+// Whether bending the boards could lower the squared residuals enough: from a flat optimum a Gauss-Newton step brings
 // nearly all of a small bend's gain and most of a large one's.
 bool shape_may_pay(const CalibrationProblem& problem, const BundleState& flat, const CalibrateOptions& options) {
   BundleState bent = flat;
   BundleOptions bundle;
   bundle.threads = options.threads;
-  bundle.max_iterations = 2;
+  bundle.max_iterations = 1;
   bundle.estimate_shape = true;
   const BundleSummary summary = solve_bundle(problem, bent, bundle);
   if (summary.termination == Termination::kFailed) return true;

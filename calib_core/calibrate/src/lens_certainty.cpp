@@ -43,11 +43,13 @@ Slopes slopes_of(const Camera& camera, const std::vector<Eigen::Vector3d>& rays)
 
 }  // namespace
 
-double projection_sigma_px(const CalibrationProblem& single, const BundleState& state) {
+double projection_sigma_px(const CalibrationProblem& single, const BundleState& state, int threads) {
   const Camera& camera = state.cameras[0];
   const std::vector<Eigen::Vector3d> rays = rays_seen(single, state);
   if (rays.empty()) return 0.0;
-  const CovarianceResult known = covariance(reduced_information(single, state));
+  BundleOptions bundle;
+  bundle.threads = threads;
+  const CovarianceResult known = covariance(reduced_information(single, state, bundle));
   const Slopes slopes = slopes_of(camera, rays);
   // Columns of the intrinsics that were estimated, in the order of the covariance; others are known.
   const std::vector<std::string_view> names = parameter_names(camera.model);
@@ -65,8 +67,7 @@ double projection_sigma_px(const CalibrationProblem& single, const BundleState& 
   return std::sqrt(std::max(0.0, sum) / static_cast<double>(rays.size()));
 }
 
-void refuse_open_lens(const CalibrationProblem& single, const BundleState& state) {
-  const double sigma_px = projection_sigma_px(single, state);
+void refuse_open_lens(const CalibrationProblem& single, const BundleState& state, double sigma_px) {
   const double limit_px = kOpenShare * std::max(state.cameras[0].size.width, state.cameras[0].size.height);
   if (!(sigma_px > limit_px)) return;
   throw Error(ErrorKind::kNotEnoughData,

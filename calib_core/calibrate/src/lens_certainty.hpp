@@ -8,11 +8,12 @@ namespace raybundle {
 
 /// How well a solved camera knows where it projects the corners that it has seen: root mean square [px] of what the
 /// covariance of its intrinsics says, less the common turn that the boards' poses take up.
-double projection_sigma_px(const CalibrationProblem& single, const BundleState& state);
+double projection_sigma_px(const CalibrationProblem& single, const BundleState& state, int threads);
 
 /// Refuses a lens of a camera by itself that the views leave open by more than 2 % of the image.
 ///
+/// @param sigma_px  projection_sigma_px() of the camera
 /// @throws Error(kNotEnoughData)
-void refuse_open_lens(const CalibrationProblem& single, const BundleState& state);
+void refuse_open_lens(const CalibrationProblem& single, const BundleState& state, double sigma_px);
 
 }  // namespace raybundle

@@ -117,12 +117,12 @@ bool try_mirrored_boards(const CalibrationProblem& single, BundleState& state, s
 
 // Other cameras that put rays where the state's does, as near as the corners can tell: twins of the model, and along
 // the valleys that begin here and there.
-std::vector<Camera> cameras_alike(const CalibrationProblem& single, const BundleState& state) {
+std::vector<Camera> cameras_alike(const CalibrationProblem& single, const BundleState& state, double sigma_px) {
   const std::vector<Eigen::Vector3d> rays = rays_seen(single, state);
   std::vector<Camera> alike = twin_cameras(state.cameras[0], rays);
   std::vector<Camera> starts{state.cameras[0]};
   if (!alike.empty()) starts.push_back(alike.front());
-  const double alike_px = std::min(kAlikeSigmas * projection_sigma_px(single, state), kMostAlikePx);
+  const double alike_px = std::min(kAlikeSigmas * sigma_px, kMostAlikePx);
   for (const Camera& start : starts) {
     std::ranges::copy(cameras_along_valley(start, rays, alike_px, kOfEachSide), std::back_inserter(alike));
   }
@@ -131,10 +131,10 @@ std::vector<Camera> cameras_alike(const CalibrationProblem& single, const Bundle
 
 // Where the fit swallows much of the noise, a corner that was left out may lie far from a prediction that it would have
 // held in place. Takes such corners in and lets the outlier rule decide once more; more corners in use are better.
-void readmit_corners(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
+bool readmit_corners(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
                      std::vector<std::string>& reasons, BundleSummary& summary) {
   const std::size_t unknowns = 6 * single.views.size() + static_cast<std::size_t>(state.cameras[0].parameters.size());
-  if (count_used(state) > 3 * unknowns) return;
+  if (count_used(state) > 3 * unknowns) return false;
   const double limit = kReadmitted * options.outlier_sigma * robust_sigmas(single, state)[0];
   BundleState other = state;
   for (std::size_t v = 0; v < single.views.size(); ++v) {
@@ -145,17 +145,18 @@ void readmit_corners(const CalibrationProblem& single, BundleState& state, const
       if (near && state.fates[v][i] == ObservationFate::kOutlier) other.fates[v][i] = ObservationFate::kUsed;
     }
   }
-  if (count_used(other) == count_used(state)) return;
+  if (count_used(other) == count_used(state)) return false;
   BundleOptions bundle;
   bundle.max_iterations = options.max_iterations;
   bundle.threads = options.threads;
-  if (solve_bundle(single, other, bundle).termination == Termination::kFailed) return;
+  if (solve_bundle(single, other, bundle).termination == Termination::kFailed) return false;
   std::vector<std::string> other_reasons = reasons;
   const BundleSummary of_other = solve_without_outliers(single, other, options, false, other_reasons);
-  if (of_other.termination == Termination::kFailed || count_used(other) <= count_used(state)) return;
+  if (of_other.termination == Termination::kFailed || count_used(other) <= count_used(state)) return false;
   state = std::move(other);
   reasons = std::move(other_reasons);
   summary = of_other;
+  return true;
 }
 
 }  // namespace
@@ -180,25 +181,30 @@ std::vector<std::optional<Rigid3>> mirrored_boards(const CalibrationProblem& sin
   return camera_from_target;
 }
 
-BundleSummary leave_local_optima(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
+CameraOptimum leave_local_optima(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
                                  std::vector<std::string>& reasons, const BundleSummary& solved) {
-  if (solved.termination == Termination::kFailed) return solved;
   BundleSummary summary = solved;
+  const auto failed = [&] { return summary.termination == Termination::kFailed; };
+  if (failed()) return {summary, std::nan("")};
   std::vector<Mirrored> mirrored = mirrored_of(single, state);
   if (turn_mirrored_boards(state, mirrored)) {
     summary = solve_without_outliers(single, state, options, false, reasons);
-    if (summary.termination == Termination::kFailed) return summary;
+    if (failed()) return {summary, std::nan("")};
     mirrored = mirrored_of(single, state);
   }
   if (try_mirrored_boards(single, state, std::move(mirrored), options, summary)) {
     summary = solve_without_outliers(single, state, options, false, reasons, summary);
   }
-  for (int round = 0; round < kRounds && summary.termination != Termination::kFailed; ++round) {
-    if (!move_to_lower(single, state, cameras_alike(single, state), options, summary)) break;
+  std::optional<double> sigma_px;  // of the state as it is
+  for (int round = 0; round < kRounds && !failed(); ++round) {
+    sigma_px = projection_sigma_px(single, state, options.threads);
+    if (!move_to_lower(single, state, cameras_alike(single, state, *sigma_px), options, summary)) break;
+    sigma_px.reset();
     summary = solve_without_outliers(single, state, options, false, reasons, summary);
   }
-  if (summary.termination != Termination::kFailed) readmit_corners(single, state, options, reasons, summary);
-  return summary;
+  if (!failed() && readmit_corners(single, state, options, reasons, summary)) sigma_px.reset();
+  if (failed()) return {summary, std::nan("")};
+  return {summary, sigma_px ? *sigma_px : projection_sigma_px(single, state, options.threads)};
 }
 
 }  // namespace raybundle

@@ -11,14 +11,20 @@
 
 namespace raybundle {
 
+/// Where a camera alone has come to.
+struct CameraOptimum {
+  BundleSummary summary;             ///< of the last solve
+  double projection_sigma_px = 0.0;  ///< projection_sigma_px() of the state; NaN when the solve failed
+};
+
 /// Leaves the optima of a solved camera that lie beside the right one: boards held by their mirrored pose, and lenses
 /// whose model has a twin that fits better. The state changes only to one of lower cost.
 ///
 /// @param single   a problem with one camera
 /// @param reasons  aligned with problem.views
 /// @param solved   how the state came about
-/// @return         of the last solve: `solved` where nothing was better
-BundleSummary leave_local_optima(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
+/// @return         with `solved` where nothing was better
+CameraOptimum leave_local_optima(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
                                  std::vector<std::string>& reasons, const BundleSummary& solved);
 
 /// Rays of corners in use, spread over the views, through the solved camera: some hundreds of them.

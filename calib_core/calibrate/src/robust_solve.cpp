@@ -17,15 +17,26 @@ namespace {
 constexpr double kSmallestDistancePx = 1e-3;  // exact data: rounding is not to be mistaken for outliers
 constexpr int kMaxRounds = 8;
 constexpr int kRobustIterations = 8;       // of a round: enough to tell outliers; least squares does the rest
+constexpr double kRobustSettled = 1e-4;    // the same
 constexpr std::size_t kFewestCorners = 4;  // of a view: fewer do not determine a pose
 
-// Distances of a view's measured corners from their projections, in sigmas; infinite where nothing projects.
-std::vector<double> whitened_distances(const CalibrationProblem& problem, const BundleState& state, int view) {
-  const std::vector<Eigen::Vector2d> residuals = view_residuals(problem, state, view);
+// Distances of measured corners from their projections, in sigmas; infinite where nothing projects.
+std::vector<double> whitened_distances(const TargetView& view, const std::vector<Eigen::Vector2d>& residuals) {
   std::vector<double> distances;
+  distances.reserve(residuals.size());
   for (std::size_t i = 0; i < residuals.size(); ++i) {
-    const double distance = residuals[i].norm() / problem.views[view].observations[i].sigma_px;
+    const double distance = residuals[i].norm() / view.observations[i].sigma_px;
     distances.push_back(std::isfinite(distance) ? distance : std::numeric_limits<double>::infinity());
+  }
+  return distances;
+}
+
+// The same of every view.
+using Distances = std::vector<std::vector<double>>;
+Distances whitened_distances(const CalibrationProblem& problem, const BundleState& state) {
+  Distances distances;
+  for (const std::vector<Eigen::Vector2d>& residuals : all_residuals(problem, state)) {
+    distances.push_back(whitened_distances(problem.views[distances.size()], residuals));
   }
   return distances;
 }
@@ -48,7 +59,7 @@ int shared_pose(const CalibrationProblem& problem, BundleState state, int view) 
     const int pose = static_cast<int>(v) == view ? -1 : state.pose_of_view[v];
     if (!same_board || pose < 0) continue;
     state.pose_of_view[view] = pose;
-    std::vector<double> distances = whitened_distances(problem, state, view);
+    std::vector<double> distances = whitened_distances(problem.views[view], view_residuals(problem, state, view));
     const double distance = median(distances);
     if (best >= 0 && !(distance < best_distance)) continue;
     best = pose;
@@ -68,9 +79,9 @@ std::optional<Rigid3> pose_again(const CalibrationProblem& problem, const Target
   return initialize_view(problem, view, camera, reason, kUsualPx);
 }
 
-// Marks one view's corners; sets the view aside when most of them are outliers.
-void mark_view(const CalibrationProblem& problem, BundleState& state, int view, double limit, std::string& reason) {
-  const std::vector<double> distances = whitened_distances(problem, state, view);
+// Marks one view's corners by their distances; sets the view aside when most of them are outliers.
+void mark_view(const CalibrationProblem& problem, const std::vector<double>& distances, BundleState& state, int view,
+               double limit, std::string& reason) {
   std::vector<ObservationFate>& fates = state.fates[view];
   std::size_t used = 0;
   for (std::size_t i = 0; i < distances.size(); ++i) {
@@ -109,27 +120,32 @@ double fitted_sigma(std::vector<double> distances, double unknowns) {
   return std::max(sigma, std::sqrt(sum / std::max(degrees_of_freedom(right), 1.0)));
 }
 
-}  // namespace
-
-std::vector<double> robust_sigmas(const CalibrationProblem& problem, const BundleState& state) {
+// Standard deviation of the noise of each camera's corners.
+std::vector<double> sigmas_of(const CalibrationProblem& problem, const BundleState& state, const Distances& distances) {
   std::vector<int> views_of_pose(state.poses.size(), 0);
   for (const int pose : state.pose_of_view) {
     if (pose >= 0) ++views_of_pose[pose];
   }
-  std::vector<std::vector<double>> distances(problem.cameras.size());
+  std::vector<std::vector<double>> of_cameras(problem.cameras.size());
   std::vector<double> unknowns(problem.cameras.size(), 0.0);
-  for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
+  for (std::size_t v = 0; v < problem.views.size(); ++v) {
     if (state.pose_of_view[v] < 0) continue;
-    std::vector<double>& of_camera = distances[problem.views[v].camera];
-    const std::vector<double> of_view = whitened_distances(problem, state, v);
-    of_camera.insert(of_camera.end(), of_view.begin(), of_view.end());
+    std::vector<double>& of_camera = of_cameras[problem.views[v].camera];
+    of_camera.insert(of_camera.end(), distances[v].begin(), distances[v].end());
     unknowns[problem.views[v].camera] += 6.0 / views_of_pose[state.pose_of_view[v]];
   }
   std::vector<double> sigmas;
-  for (std::size_t c = 0; c < distances.size(); ++c) {
-    sigmas.push_back(fitted_sigma(distances[c], unknowns[c] + static_cast<double>(state.cameras[c].parameters.size())));
+  for (std::size_t c = 0; c < of_cameras.size(); ++c) {
+    const double all = unknowns[c] + static_cast<double>(state.cameras[c].parameters.size());
+    sigmas.push_back(fitted_sigma(std::move(of_cameras[c]), all));
   }
   return sigmas;
+}
+
+}  // namespace
+
+std::vector<double> robust_sigmas(const CalibrationProblem& problem, const BundleState& state) {
+  return sigmas_of(problem, state, whitened_distances(problem, state));
 }
 
 std::string outlier_rule(const CalibrateOptions& options) {
@@ -143,11 +159,13 @@ std::string outlier_rule(const CalibrateOptions& options) {
 
 bool mark_outliers(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
                    std::vector<std::string>& reasons) {
-  const std::vector<double> sigmas = robust_sigmas(problem, state);
+  const Distances distances = whitened_distances(problem, state);
+  const std::vector<double> sigmas = sigmas_of(problem, state, distances);
   const std::vector<std::vector<ObservationFate>> before = state.fates;
   for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
     if (state.pose_of_view[v] < 0) continue;
-    mark_view(problem, state, v, options.outlier_sigma * sigmas[problem.views[v].camera], reasons[v]);
+    const double limit = options.outlier_sigma * sigmas[problem.views[v].camera];
+    mark_view(problem, distances[v], state, v, limit, reasons[v]);
   }
   return state.fates != before;
 }
@@ -155,6 +173,7 @@ bool mark_outliers(const CalibrationProblem& problem, BundleState& state, const 
 BundleSummary solve_robustly(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options) {
   BundleOptions bundle = bundle_options(options);
   bundle.max_iterations = std::min(bundle.max_iterations, kRobustIterations);
+  bundle.settled = kRobustSettled;
   BundleSummary summary;
   double previous = std::numeric_limits<double>::infinity();
   for (int round = 0; round < kMaxRounds; ++round) {
@@ -176,6 +195,7 @@ BundleSummary solve_robustly(const CalibrationProblem& problem, BundleState& sta
 bool give_second_chance(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
                         std::vector<std::string>& reasons) {
   bool taken = false;
+  if (std::ranges::none_of(state.pose_of_view, [](int pose) { return pose < 0; })) return taken;
   const std::vector<double> sigmas = robust_sigmas(problem, state);
   for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
     const TargetView& view = problem.views[v];

@@ -26,7 +26,8 @@ std::vector<BoardPose> poses_in_use(const BundleState& state, std::vector<int>& 
   return poses;
 }
 
-ViewResult view_result(const CalibrationProblem& problem, const BundleState& state, int view) {
+ViewResult view_result(const CalibrationProblem& problem, const BundleState& state, int view,
+                       const std::vector<Eigen::Vector2d>& residuals) {
   ViewResult result;
   result.fates = state.fates[view];
   const Eigen::Vector2d none = Eigen::Vector2d::Constant(std::nan(""));
@@ -39,7 +40,7 @@ ViewResult view_result(const CalibrationProblem& problem, const BundleState& sta
     result.dot_residuals_px = dot_residuals(problem, state, view);
   }
   if (state.pose_of_view[view] < 0) return result;
-  result.residuals_px = view_residuals(problem, state, view);
+  result.residuals_px = residuals;
   double sum = 0.0;
   int count = 0;
   for (std::size_t i = 0; i < result.fates.size(); ++i) {
@@ -64,9 +65,10 @@ void fill_result(const CalibrationProblem& problem, const BundleState& state, Ca
   result.poses = poses_in_use(state, new_index);
 
   result.cameras.assign(problem.cameras.size(), {});
+  const std::vector<std::vector<Eigen::Vector2d>> residuals = all_residuals(problem, state);
   std::vector<std::vector<double>> distances(problem.cameras.size());
   for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
-    ViewResult view = view_result(problem, state, v);
+    ViewResult view = view_result(problem, state, v, residuals[v]);
     view.pose = state.pose_of_view[v] < 0 ? -1 : new_index[state.pose_of_view[v]];
     const int camera = problem.views[v].camera;
     CameraSummary& summary = result.cameras[camera];

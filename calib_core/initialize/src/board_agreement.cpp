@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <tuple>
 
 #include "lens_bundle.hpp"
 #include "linear_pose.hpp"
@@ -61,8 +62,9 @@ Matrix6 covariance_of(const Target& target, const TargetView& view, const Rigid3
   return scale.asDiagonal() * scaled.ldlt().solve(Matrix6::Identity()) * scale.asDiagonal();
 }
 
+/// @param shared  whether other views saw the board; covariances are for what they disagree about
 PosedView posed_view(const CalibrationProblem& problem, int index, const Rigid3& pose,
-                     const std::optional<Rigid3>& mirrored) {
+                     const std::optional<Rigid3>& mirrored, bool shared) {
   const TargetView& view = problem.views[index];
   const Target& target = problem.targets[view.target];
   PosedView posed;
@@ -82,6 +84,7 @@ PosedView posed_view(const CalibrationProblem& problem, int index, const Rigid3&
     for (const Rigid3& candidate : as_labelled) {
       posed.camera_from_target.push_back(candidate * motion.inverse());
       posed.symmetry.push_back(symmetry);
+      if (!shared) continue;
       const Matrix6 covariance = covariance_of(target, view, candidate, posed.centre_in_target);
       posed.covariance.push_back(turn * covariance * turn.transpose());
     }
@@ -167,20 +170,21 @@ Rigid3 improved_pose(const Pairs& pairs, const Rigid3& b_from_a, double limit) {
 std::vector<SharedBoard> shared_boards(const CalibrationProblem& problem,
                                        const std::vector<std::optional<Rigid3>>& camera_from_target,
                                        const std::vector<std::optional<Rigid3>>& mirrored) {
-  std::map<std::pair<int, int>, SharedBoard> groups;
+  std::map<std::pair<int, int>, std::vector<int>> views_of_board;  // by frame and target
   for (std::size_t v = 0; v < problem.views.size(); ++v) {
     if (!camera_from_target[v]) continue;
     const TargetView& view = problem.views[v];
-    SharedBoard& group = groups[{view.frame, view.target}];
-    group.frame = view.frame;
-    group.target = view.target;
-    group.views.push_back(posed_view(problem, static_cast<int>(v), *camera_from_target[v],
-                                     mirrored.empty() ? std::nullopt : mirrored[v]));
+    views_of_board[{view.frame, view.target}].push_back(static_cast<int>(v));
   }
   std::vector<SharedBoard> boards;
-  for (auto& [key, group] : groups) {
-    std::ranges::stable_sort(group.views, {}, &PosedView::camera);
-    boards.push_back(std::move(group));
+  for (const auto& [key, views] : views_of_board) {
+    SharedBoard& board = boards.emplace_back();
+    std::tie(board.frame, board.target) = key;
+    for (const int v : views) {
+      const std::optional<Rigid3> other_pose = mirrored.empty() ? std::nullopt : mirrored[v];
+      board.views.push_back(posed_view(problem, v, *camera_from_target[v], other_pose, views.size() > 1));
+    }
+    std::ranges::stable_sort(board.views, {}, &PosedView::camera);
   }
   return boards;
 }

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "raybundle/geometry/target_clones.hpp"
+
 namespace raybundle {
 namespace {
 
@@ -40,29 +42,39 @@ double view_cost(const LensFunctions& lens, const double* parameters, const Poin
   return cost;
 }
 
-constexpr int kMaxColumns = kMaxLensParameters + 7;
+constexpr int kLanes = 4;
+constexpr int kMaxColumns = (kMaxLensParameters + 7 + kLanes - 1) / kLanes * kLanes;
 
-/// Sums JᵀJ of rows [lens | pose | error], upper triangle; plain arrays, because nothing here is large.
-class RowSums {
- public:
-  explicit RowSums(int columns) : columns_(columns) {
-    for (int a = 0; a < columns; ++a) std::fill_n(sums_[a], columns, 0.0);
-  }
-
-  void add(double weight, const double* u, const double* v) {
-    for (int a = 0; a < columns_; ++a) {
-      const double weighted_u = weight * u[a];
-      const double weighted_v = weight * v[a];
-      double* row = sums_[a];
-      for (int b = a; b < columns_; ++b) row[b] += weighted_u * u[b] + weighted_v * v[b];
+// Adds a corner's two weighted products to sums of `stride` numbers in a row; only the upper triangle is meant.
+RAYBUNDLE_TARGET_CLONES
+void add_products(int columns, int stride, double weight, const double* __restrict u, const double* __restrict v,
+                  double* __restrict sums) {
+  for (int a = 0; a < columns; ++a) {
+    const double weighted_u = weight * u[a];
+    const double weighted_v = weight * v[a];
+    double* row = sums + a * stride;
+    for (int b = a / kLanes * kLanes; b < stride; b += kLanes) {
+      for (int lane = 0; lane < kLanes; ++lane) row[b + lane] += weighted_u * u[b + lane] + weighted_v * v[b + lane];
     }
   }
+}
 
-  double operator()(int a, int b) const { return a <= b ? sums_[a][b] : sums_[b][a]; }
+/// Sums JᵀJ of rows [lens | pose | error]; plain arrays, because nothing here is large.
+class RowSums {
+ public:
+  explicit RowSums(int columns) : columns_(columns), stride_((columns + kLanes - 1) / kLanes * kLanes) {
+    std::fill_n(sums_, columns_ * stride_, 0.0);
+  }
+
+  /// @param u  kMaxColumns numbers, zero beyond the columns
+  void add(double weight, const double* u, const double* v) { add_products(columns_, stride_, weight, u, v, sums_); }
+
+  double operator()(int a, int b) const { return sums_[std::min(a, b) * stride_ + std::max(a, b)]; }
 
  private:
   int columns_;
-  double sums_[kMaxColumns][kMaxColumns];
+  int stride_;
+  double sums_[kMaxColumns * kMaxColumns];
 };
 
 void view_equations(const LensFunctions& lens, const double* parameters, const PointsInView& view, const Rigid3& pose,
@@ -76,7 +88,7 @@ void view_equations(const LensFunctions& lens, const double* parameters, const P
   Eigen::Vector2d pixel;
   Eigen::Matrix<double, 2, 3, Eigen::RowMajor> wrt_ray;
   double wrt_parameters[2 * kMaxLensParameters];
-  double rows[2][kMaxColumns];
+  double rows[2][kMaxColumns] = {};
   for (std::size_t i = 0; i < view.points.size(); ++i) {
     const Eigen::Vector3d arm = rotation * view.points[i];
     if (!lens.project_with_jacobians(parameters, arm + pose.translation, pixel, wrt_ray, wrt_parameters)) continue;

@@ -7,7 +7,7 @@
 
 #include "motion_fit.hpp"
 #include "raybundle/bundle/view_block.hpp"
-#include "sensitivity.hpp"
+#include "raybundle/geometry/rotation.hpp"
 
 namespace raybundle {
 namespace {
@@ -27,25 +27,26 @@ std::optional<CornerEvidence> corner_evidence(const CalibrationProblem& problem,
   const Camera& lens = state.cameras[camera];
   CornerEvidence evidence = empty_evidence(lens.size);
   MotionFit fit(lens.parameters.size());
+  ViewBlock block;
   bool any = false;
   for (const ViewData& view : used_views(problem, state)) {
     if (view.camera != camera) continue;
-    const Rigid3 camera_from_target = state.camera_from_rig[camera] * state.poses[view.pose].rig_from_target;
+    const Rigid3& camera_from_rig = state.camera_from_rig[camera];
     const BoardShape& shape = state.shapes[view.target];
-    const Eigen::Vector3d sags(shape.bend_x_m, shape.bend_y_m, shape.twist_m);
+    const ViewPoint point{lens.parameters.data(),
+                          camera_from_rig,
+                          state.poses[view.pose].rig_from_target,
+                          {shape.bend_x_m, shape.bend_y_m, shape.twist_m}};
+    if (!linearize_view(view, point, {}, block)) continue;
+    // The surroundings turn about the camera; camera_from_rig's own motion turns them about the rig's origin.
+    const Eigen::Index rows = 2 * view.pixel.rows();
+    Eigen::Matrix<double, Eigen::Dynamic, 6> by_motion = block.wrt_camera_from_rig.topRows(rows);
+    by_motion.leftCols<3>() -= by_motion.rightCols<3>() * skew(camera_from_rig.translation);
+    fit.add(by_motion, block.wrt_intrinsics.topRows(rows));
     for (Eigen::Index i = 0; i < view.pixel.rows(); ++i) {
-      Eigen::Vector3d x_in_target = view.x_in_target.row(i);
-      x_in_target.z() += view.shape_basis.row(i).dot(sags);
-      const Eigen::Vector3d x_in_camera =
-          camera_from_target.rotation * x_in_target + view.nearness[i] * camera_from_target.translation;
-      const std::optional<PixelDerivatives> derivatives = pixel_derivatives(lens, x_in_camera);
-      if (!derivatives) continue;
-      Eigen::Matrix<double, 3, 6> motion = by_motion_of_surroundings(x_in_camera);
-      motion.rightCols<3>() *= view.nearness[i];
-      fit.add(derivatives->by_ray * motion, derivatives->by_intrinsics, view.inverse_sigma[i] * view.inverse_sigma[i]);
       if (const std::optional<int> cell = evidence.cell(lens.size, view.pixel.row(i))) ++evidence.corners[*cell];
-      any = true;
     }
+    any = true;
   }
   if (!any) return std::nullopt;
   evidence.implied_motion = fit.undoing();

@@ -26,7 +26,7 @@ struct Corner {
   Eigen::Vector2d pixel, residual;  // the residual whitened
   Eigen::Index row = 0;             // the first of two, among the frame's rows
 
-  auto which() const { return std::tie(camera, target, x, y); }
+  auto which() const { return std::tie(camera, target, y, x); }
 };
 
 using Frame = std::vector<Corner>;  // sorted by which()
@@ -39,7 +39,9 @@ void append(const ViewData& view, const Eigen::VectorXd& residual, Frame& frame)
   }
 }
 
-void sort(Frame& frame) { std::ranges::sort(frame, {}, &Corner::which); }
+void sort(Frame& frame) {
+  if (!std::ranges::is_sorted(frame, {}, &Corner::which)) std::ranges::sort(frame, {}, &Corner::which);
+}
 
 // Calls seen(a, b) for each corner that both frames show, until it answers no.
 template <typename Seen>
@@ -149,6 +151,19 @@ std::pair<Eigen::MatrixXd, Eigen::MatrixXd> common_rows(const Frame& a, const Ei
   return {rows_a(of_a, Eigen::all), rows_b(of_b, Eigen::all)};
 }
 
+// Whitened residuals of a view's corners in use, one after the other.
+Eigen::VectorXd whitened(const std::vector<Eigen::Vector2d>& residuals_px, const std::vector<ObservationFate>& fates,
+                         const ViewData& data) {
+  Eigen::VectorXd residual(2 * data.pixel.rows());
+  Eigen::Index row = 0;
+  for (std::size_t i = 0; i < fates.size(); ++i) {
+    if (fates[i] != ObservationFate::kUsed) continue;
+    residual.segment<2>(2 * row) = residuals_px[i] * data.inverse_sigma[row];
+    ++row;
+  }
+  return residual;
+}
+
 }  // namespace
 
 FrameRepetition frame_repetition(const CalibrationProblem& problem, const CalibrationResult& result) {
@@ -159,14 +174,7 @@ FrameRepetition frame_repetition(const CalibrationProblem& problem, const Calibr
     const ViewResult& view = result.views[v];
     if (view.pose < 0) continue;
     const ViewData data = used_corners(problem, result, v, problem.views[v].camera);
-    Eigen::VectorXd residual(2 * data.pixel.rows());
-    Eigen::Index row = 0;
-    for (std::size_t i = 0; i < view.fates.size(); ++i) {
-      if (view.fates[i] != ObservationFate::kUsed) continue;
-      residual.segment<2>(2 * row) = view.residuals_px[i] * data.inverse_sigma[row];
-      ++row;
-    }
-    append(data, residual, frames[view.pose]);
+    append(data, whitened(view.residuals_px, view.fates, data), frames[view.pose]);
   }
   std::ranges::for_each(frames, sort);
   const Repeats repeats = repeats_among(frames, cell_px);
@@ -187,10 +195,13 @@ std::optional<Eigen::MatrixXd> repeated_errors(const CalibrationProblem& problem
   for (ViewData& view : used_views(problem, state)) by_pose[view.pose].push_back(std::move(view));
   std::vector<double> cell_px;
   for (const Camera& camera : state.cameras) cell_px.push_back(cell_of(camera.size));
+  const std::vector<std::vector<Eigen::Vector2d>> residuals_px = all_residuals(problem, state);
   std::vector<Frame> frames;
   for (const auto& [pose, views] : by_pose) {
     Frame& frame = frames.emplace_back();
-    for (const ViewData& view : views) append(view, linearized(state, view, false).residual, frame);
+    for (const ViewData& view : views) {
+      append(view, whitened(residuals_px[view.view], state.fates[view.view], view), frame);
+    }
     sort(frame);
   }
   const Repeats repeats = repeats_among(frames, cell_px);

@@ -22,6 +22,12 @@ struct MotionFit {
     with_changes += weight * by_motion.transpose() * change;
   }
 
+  /// The same of many pixels, two rows for each, by the roots of their weights.
+  void add(const Eigen::Matrix<double, Eigen::Dynamic, 6>& by_motion, const Eigen::MatrixXd& changes) {
+    normal += by_motion.transpose() * by_motion;
+    with_changes += by_motion.transpose() * changes;
+  }
+
   /// 6 × changes; directions that no pixel tells from standing still stay zero.
   Eigen::Matrix<double, 6, Eigen::Dynamic> undoing() const;
 };

@@ -38,6 +38,10 @@ struct BundleOptions {
   std::vector<std::optional<BeamPrior>> beam_priors = {};  ///< aligned with BundleState::beams, or empty
   int max_iterations = 100;
   int threads = 1;  ///< changes the time, never the bits
+
+  /// Relative decrease of the cost below which the solve is over. Tight: what is left after the last step is far below
+  /// every sigma, so that answers do not depend on the order of the views, and exact data give the exact answer.
+  double settled = 1e-14;
 };
 
 struct BundleSummary {
@@ -62,6 +66,9 @@ BundleSummary solve_bundle(const CalibrationProblem& problem, BundleState& state
 
 /// Measured minus projected [px] of all observations of one view, NaN where the model does not project.
 std::vector<Eigen::Vector2d> view_residuals(const CalibrationProblem& problem, const BundleState& state, int view);
+
+/// view_residuals of each view of the problem; those of views without a pose are NaN.
+std::vector<std::vector<Eigen::Vector2d>> all_residuals(const CalibrationProblem& problem, const BundleState& state);
 
 /// Measured minus predicted [px] of all dots of one view, NaN where there is no prediction: the dot's beam is unknown,
 /// misses the board's surface, or meets it where the camera model does not project.

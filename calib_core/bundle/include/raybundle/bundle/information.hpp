@@ -30,11 +30,20 @@ struct FrameInformation {
   int frame = 0;
   Eigen::MatrixXd information;
   Eigen::VectorXd gradient;
+  double chi2 = 0.0;        ///< sum of squared whitened residuals
+  int residuals = 0;        ///< scalar residuals
+  int pose_directions = 0;  ///< of the board poses' six each, those that the corners see
 };
 
 /// One entry for each frame in use, ascending. Dots and priors take no part.
 std::vector<FrameInformation> information_by_frame(const CalibrationProblem& problem, const BundleState& state,
                                                    const BundleOptions& options = {});
+
+/// reduced_information() where the frames' part of it is known.
+///
+/// @param frames  information_by_frame() of the same problem, state and options
+ReducedInformation reduced_information(const CalibrationProblem& problem, const BundleState& state,
+                                       const BundleOptions& options, const std::vector<FrameInformation>& frames);
 
 /// How well a beam is known, for residuals whitened by their stated sigmas.
 struct BeamCovariance {
