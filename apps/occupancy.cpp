@@ -66,14 +66,15 @@ void run_learn(Flags flags) {
                                                   "`occupancy evaluate`; take a smaller seed",
                                                   kEvaluationSeed));
   }
+  flags.learn.threads = flags.learning.threads;
   const CaseBase base = learn(simulated_cases(flags.learning), flags.learn);
   write_file_whole(flags.output, bytes_from_case_base(base));
   if (flags.json) {
     fmt::print("{}\n", text_of_json(nlohmann::ordered_json{{"base", flags.output}, {"cases", base.classes.size()}}));
     return;
   }
-  fmt::print("learnt {} cases of {} scenes, attributes {}\nwrote {}\nnext  raybundle occupancy evaluate {}\n",
-             base.classes.size(), flags.learning.scenes, base.attribute_set, flags.output, flags.output);
+  fmt::print("learnt from {} scenes; {} of them vote, attributes {}\nwrote {}\nnext  raybundle occupancy evaluate {}\n",
+             flags.learning.scenes, base.classes.size(), base.attribute_set, flags.output, flags.output);
 }
 
 void run_evaluate(Flags flags) {

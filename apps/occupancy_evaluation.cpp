@@ -130,7 +130,6 @@ void add(const Trial& trial, Evaluation& sum) {
 MonitorOptions monitor_options_of(SensorKind kind) {
   MonitorOptions options;
   options.sure_of_force = 0.95;
-  options.sure_of_group = 0.8;
   if (kind == SensorKind::kStructuredLight) {
     options.zones.margin_m = 0.10;  // people reach on between the dots
   } else {

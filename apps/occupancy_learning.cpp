@@ -32,11 +32,11 @@ std::vector<std::string> cabin_groups() { return {kCabinGroupNames.begin(), kCab
 namespace {
 
 // What would be right if whoever is there were nearer by a margin.
-AirbagAction action_to_learn(const CockpitTruth& truth, const MeasuredScene& scene, double margin_m) {
+AirbagAction action_to_learn(const MeasuredScene& scene, double margin_m) {
   CabinLayout layout;
   layout.critical_m = scene.layout.critical_m;
   layout.out_of_position_m = scene.layout.out_of_position_m;
-  switch (decision_of(truth.seat_class, truth.dashboard_distance_m - margin_m, layout)) {
+  switch (decision_of(scene.truth.seat_class, scene.truth.dashboard_distance_m - margin_m, layout)) {
     case CabinDecision::kFire:
       return AirbagAction::kFire;
     case CabinDecision::kDepowered:
@@ -46,10 +46,6 @@ AirbagAction action_to_learn(const CockpitTruth& truth, const MeasuredScene& sce
   }
   return AirbagAction::kNoFire;
 }
-
-}  // namespace
-
-namespace {
 
 // A smooth field of random waves, of unit scatter.
 class Waves {
@@ -86,45 +82,77 @@ MeasuredScene as_in_another_car(MeasuredScene scene, const SimulatedLearning& ho
   const auto change = [&](double most) { return random.uniform(-most, most); };
   Eigen::Matrix3d stretch = Eigen::Matrix3d::Identity();
   for (int i = 0; i < 3; ++i) stretch(i, i) += change(how.car_change);
-  stretch(0, 2) = change(how.car_change);
   stretch(2, 0) = change(how.car_change);
   const double x = change(how.car_shift_m), y = change(0.5 * how.car_shift_m), z = change(how.car_shift_m);
   const Eigen::Vector3d shift(x, y, z);
   const Waves shape(random);
-  scene.viewpoint_in_vehicle = stretch * scene.viewpoint_in_vehicle + shift;
-  std::erase_if(scene.points, [&](const ScenePoint&) { return random.chance(how.car_lost); });
-  for (ScenePoint& point : scene.points) {
-    point.x_in_vehicle = stretch * point.x_in_vehicle + shift;
-    const Eigen::Vector3d ray = (point.x_in_vehicle - scene.viewpoint_in_vehicle).normalized();
-    point.x_in_vehicle += how.car_shape_m * shape.at(point.x_in_vehicle) * ray;
+  const Eigen::Vector3d eye = stretch * scene.viewpoint_in_vehicle + shift;
+  const auto moved = [&](const Eigen::Vector3d& place, bool dented) -> Eigen::Vector3d {
+    const Eigen::Vector3d at = stretch * place + shift;
+    return dented ? Eigen::Vector3d(at + how.car_shape_m * shape.at(at) * (at - eye).normalized()) : at;
+  };
+  MeasuredScene other = scene;
+  VehicleLayout& layout = other.layout;
+  const double dashboard_x_m = layout.dashboard_x_m;
+  const auto height = [&](double z_m) { return moved({dashboard_x_m, 0.0, z_m}, false).z(); };
+  layout.dashboard_top_m = height(layout.dashboard_top_m);
+  layout.zone_floor_m = height(layout.zone_floor_m);
+  layout.dashboard_x_m = moved({dashboard_x_m, 0.0, 0.0}, false).x();
+  other.viewpoint_in_vehicle = eye;
+  other.points.clear(), other.parts.clear(), other.true_points.clear();
+  for (std::size_t i = 0; i < scene.points.size(); ++i) {
+    if (random.chance(how.car_lost)) continue;
+    const bool dented = scene.parts[i] != CabinPart::kDashboard;  // where that is has been measured
+    other.points.push_back(scene.points[i]);
+    other.points.back().x_in_vehicle = moved(scene.points[i].x_in_vehicle, dented);
+    other.parts.push_back(scene.parts[i]);
   }
-  return scene;
+  CockpitTruth& truth = other.truth;
+  if (!std::isfinite(truth.dashboard_distance_m)) return other;
+  truth.nearest_place = moved(truth.nearest_place, true);
+  truth.dashboard_distance_m = std::max(0.0, layout.dashboard_x_m - truth.nearest_place.x());
+  if (truth.seat_class == CabinClass::kPassenger || truth.seat_class == CabinClass::kOutOfPosition) {
+    const bool outside = truth.dashboard_distance_m < layout.out_of_position_m;
+    truth.seat_class = outside ? CabinClass::kOutOfPosition : CabinClass::kPassenger;
+  }
+  CabinLayout depths;
+  depths.critical_m = layout.critical_m;
+  depths.out_of_position_m = layout.out_of_position_m;
+  truth.decision = decision_of(truth.seat_class, truth.dashboard_distance_m, depths);
+  return other;
 }
 
 LabelledCases simulated_cases(const SimulatedLearning& how) {
   const AttributeSet& set = attribute_set_of(how.kind);
+  const int copies = 1 + how.other_cars, voting = std::min(how.most_voting, how.scenes / 4),
+            learnt = how.scenes - voting;
+  const auto cases_count = static_cast<std::size_t>(learnt) * copies + voting;
   LabelledCases cases{.attribute_set = std::string(set.name),
                       .situations = cabin_situations(),
                       .group_names = cabin_groups(),
-                      .attributes = {},
-                      .classes = {},
-                      .actions = {}};
-  const int copies = 1 + how.other_cars;
-  cases.attributes.resize(set.size, static_cast<Eigen::Index>(how.scenes) * copies);
-  cases.classes.resize(static_cast<std::size_t>(how.scenes) * copies);
-  cases.actions.resize(cases.classes.size());
+                      .attributes = Eigen::MatrixXd(set.size, static_cast<Eigen::Index>(cases_count)),
+                      .classes = std::vector<std::uint8_t>(cases_count),
+                      .actions = std::vector<AirbagAction>(cases_count),
+                      .voting = voting};
+  const auto add = [&](std::size_t n, const MeasuredScene& seen) {
+    cases.attributes.col(static_cast<Eigen::Index>(n)) = set.attributes(seen.layout, SeatPose{}, seen.scan());
+    cases.classes[n] = static_cast<std::uint8_t>(seen.truth.seat_class);
+    cases.actions[n] = action_to_learn(seen, how.margin_m);
+  };
   for_each_index(static_cast<std::size_t>(how.scenes), how.threads, [&](std::size_t i) {
-    const SceneRequest request{how.kind, {CockpitGenerator::kTraining, how.seed + i, {}, 0.0}, how.grid};
-    const MeasuredScene scene = measured_scene(request);
-    const AirbagAction action = action_to_learn(scene.truth, scene, how.margin_m);
-    for (int copy = 0; copy < copies; ++copy) {
-      const std::size_t n = i * copies + copy;
-      const MeasuredScene seen =
-          copy == 0 ? scene
-                    : as_in_another_car(scene, how, mixed_bits(how.seed + i) + static_cast<std::uint64_t>(copy));
-      cases.attributes.col(static_cast<Eigen::Index>(n)) = set.attributes(seen.layout, SeatPose{}, seen.scan());
-      cases.classes[n] = static_cast<std::uint8_t>(seen.truth.seat_class);
-      cases.actions[n] = action;
+    const std::uint64_t seed = how.seed + i;
+    const CabinScene cabin(make_cockpit({CockpitGenerator::kTraining, seed, {}, 0.0}));
+    const auto seen_in_car = [&](std::size_t car) {
+      const std::uint64_t sensor_seed = car == 0 ? seed : mixed_bits(mixed_bits(seed) + car);
+      const SceneSource source({how.kind, {CockpitGenerator::kTraining, sensor_seed, {}, 0.0}, how.grid});
+      const MeasuredScene scene = source.measured(cabin, 0.0);
+      return car == 0 ? scene : as_in_another_car(scene, how, sensor_seed);
+    };
+    const auto first_voting = static_cast<std::size_t>(learnt), all = static_cast<std::size_t>(copies);
+    if (i < first_voting) {
+      for (std::size_t car = 0; car < all; ++car) add(i * all + car, seen_in_car(car));
+    } else {
+      add(first_voting * all + i - first_voting, seen_in_car(i % all));
     }
     if (how.scene_done) how.scene_done();
   });

@@ -20,9 +20,10 @@ std::vector<std::string> cabin_groups();
 struct SimulatedLearning {
   SensorKind kind = SensorKind::kStructuredLight;
   LaserGrid grid{11, 11};
-  int scenes = 4000;
+  int scenes = 40000;
   std::uint64_t seed = 1;
-  int other_cars = 3;          ///< copies of each scene as if in another car, see as_in_another_car()
+  int most_voting = 16000;     ///< scenes that are not learnt from but vote, at most a quarter: see LabelledCases
+  int other_cars = 1;          ///< of each scene, as another sensor sees it and as in another car: as_in_another_car()
   double car_change = 0.10;    ///< how much lengths and angles of those cars differ
   double car_shift_m = 0.04;   ///< how much their seats are elsewhere
   double car_shape_m = 0.015;  ///< how much surfaces there bulge otherwise
@@ -33,11 +34,12 @@ struct SimulatedLearning {
 };
 
 /// The scene stretched, sheared, shifted and dented a little, together with the rays that measured it: another seat,
-/// another mounting, another person. Rays stay rays, so that what hides what remains true. Points and parts are no
-/// longer aligned.
+/// another mounting, another person. Rays stay rays, so that what hides what remains true; planes that stand across
+/// the car stay such planes. The truth follows: who comes nearer to the dashboard may be out of position there.
 MeasuredScene as_in_another_car(MeasuredScene scene, const SimulatedLearning& how, std::uint64_t seed);
 
-/// Scenes of the training generator with the seeds from `seed` on, as cases.
+/// Scenes of the training generator with the seeds from `seed` on, as cases. The last of them vote: each of those is
+/// one case, in its own car or in another one.
 LabelledCases simulated_cases(const SimulatedLearning& how);
 
 }  // namespace raybundle::apps

@@ -70,11 +70,14 @@ SceneSource::SceneSource(const SceneRequest& request) : request_(request), senso
 MeasuredScene SceneSource::at(double time_s) const {
   CockpitRequest cockpit = request_.cockpit;
   cockpit.time_s = time_s;
-  const CabinScene scene(make_cockpit(cockpit));
+  return measured(CabinScene(make_cockpit(cockpit)), time_s);
+}
+
+MeasuredScene SceneSource::measured(const CabinScene& scene, double time_s) const {
   MeasuredScene measured;
   measured.layout = vehicle_layout(scene.cockpit().layout);
   measured.truth = scene.cockpit().truth;
-  const std::uint64_t seed = cockpit.seed, frame = frame_of(time_s);
+  const std::uint64_t seed = request_.cockpit.seed, frame = frame_of(time_s);
   renderer_ ? measure_stereo(*renderer_, scene, {.seed = seed, .stream = frame}, measured)
             : measure_dots(sensor_, scene, {.seed = seed, .stream = frame}, measured);
   return measured;

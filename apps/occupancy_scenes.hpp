@@ -22,7 +22,7 @@ struct MeasuredScene {
   Eigen::Vector3d viewpoint_in_vehicle = Eigen::Vector3d::Zero();  ///< [m]
   std::vector<ScenePoint> points;
   std::vector<CabinPart> parts;              ///< truth, aligned with points
-  std::vector<Eigen::Vector3d> true_points;  ///< [m] in the vehicle frame, of dots, aligned with points
+  std::vector<Eigen::Vector3d> true_points;  ///< [m] in the vehicle frame, of dots, aligned with points; else none
   int rays = 0;
 
   Scan scan() const { return {viewpoint_in_vehicle, points, rays, State::kOk}; }
@@ -46,6 +46,9 @@ class SceneSource {
   /// @param request  its time does not matter
   explicit SceneSource(const SceneRequest& request);
   MeasuredScene at(double time_s) const;
+
+  /// A cabin that is there already, as this sensor sees it: another sensor looks into the same cabin.
+  MeasuredScene measured(const CabinScene& scene, double time_s) const;
 
  private:
   SceneRequest request_;

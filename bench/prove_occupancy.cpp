@@ -116,7 +116,9 @@ int main(int argc, char** argv) {
     learning.scenes = kind == SensorKind::kStructuredLight ? learnt : learnt / 2;  // dense ones take longer
     learning.threads = kThreads;
     learning.scene_done = progress(std::string("learning, ") + name, learning.scenes);
-    const CaseBase base = learn(simulated_cases(learning));
+    const CaseBase base = learn(simulated_cases(learning), {.threads = kThreads});
+    std::printf("%s: learnt from %d scenes; groups are told from %.3f of the votes on, classes from %.3f\n", name,
+                learning.scenes, base.sure_of_group, base.sure_of_situation);
     for (const Split& split : kSplits) {
       good &= prove(kind, base, split, scenes);
       if (kind == SensorKind::kStereo) good &= prove_seats(split, std::max(1, scenes / 20));

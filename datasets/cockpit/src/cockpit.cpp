@@ -143,7 +143,10 @@ class Drawing {
     }
     add_blanket();
     truth.group = group_of(truth.seat_class);
-    truth.dashboard_distance_m = dashboard_distance(occupants_, cockpit_.layout);
+    if (const auto nearest = nearest_to_dashboard(occupants_, cockpit_.layout)) {
+      truth.nearest_place = *nearest;
+      truth.dashboard_distance_m = std::max(0.0, cockpit_.layout.dashboard_x_m - nearest->x());
+    }
     truth.decision = decision_of(truth.seat_class, truth.dashboard_distance_m, cockpit_.layout);
     std::ranges::move(occupants_, std::back_inserter(cockpit_.meshes));
     return std::move(cockpit_);

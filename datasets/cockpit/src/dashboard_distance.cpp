@@ -3,6 +3,7 @@
 #include "dashboard_distance.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace raybundle {
 namespace {
@@ -25,20 +26,27 @@ Polygon clipped(const Polygon& polygon, const Value& value) {
 
 }  // namespace
 
-double dashboard_distance(const std::vector<CabinMesh>& meshes, const CabinLayout& layout) {
+std::optional<Eigen::Vector3d> nearest_to_dashboard(const std::vector<CabinMesh>& meshes, const CabinLayout& layout) {
   const auto floor = static_cast<float>(layout.zone_floor_m), half = static_cast<float>(layout.zone_half_width_m);
-  float nearest_x = -std::numeric_limits<float>::infinity();
+  std::optional<Eigen::Vector3f> nearest;
   for (const CabinMesh& mesh : meshes) {
     for (const Eigen::Vector3i& t : mesh.triangles) {
       Polygon part{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
-      if (std::max({part[0].x(), part[1].x(), part[2].x()}) <= nearest_x) continue;
+      if (nearest && std::max({part[0].x(), part[1].x(), part[2].x()}) <= nearest->x()) continue;
       part = clipped(part, [&](const Eigen::Vector3f& place) { return place.z() - floor; });
       part = clipped(part, [&](const Eigen::Vector3f& place) { return half - place.y(); });
       part = clipped(part, [&](const Eigen::Vector3f& place) { return half + place.y(); });
-      for (const Eigen::Vector3f& place : part) nearest_x = std::max(nearest_x, place.x());
+      for (const Eigen::Vector3f& place : part) {
+        if (!nearest || place.x() > nearest->x()) nearest = place;
+      }
     }
   }
-  return std::max(0.0, layout.dashboard_x_m - static_cast<double>(nearest_x));
+  return nearest ? std::optional<Eigen::Vector3d>(nearest->cast<double>()) : std::nullopt;
+}
+
+double dashboard_distance(const std::vector<CabinMesh>& meshes, const CabinLayout& layout) {
+  const std::optional<Eigen::Vector3d> nearest = nearest_to_dashboard(meshes, layout);
+  return nearest ? std::max(0.0, layout.dashboard_x_m - nearest->x()) : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace raybundle

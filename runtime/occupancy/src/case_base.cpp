@@ -40,9 +40,9 @@ int nearest_cases(const CaseSpace& space, int neighbours, const float* query, in
 }
 
 // Adds what one space says; whether it is near enough to that space's cases.
-bool add_votes(const CaseBase& base, const CaseSpace& space, const EmbeddedPlace& query, CaseVerdict& verdict) {
+bool add_votes(const CaseBase& base, const CaseSpace& space, const float* query, int left_out, CaseVerdict& verdict) {
   NearCases nearest;
-  const int found = nearest_cases(space, base.neighbours, query.data(), -1, nearest);
+  const int found = nearest_cases(space, base.neighbours, query, left_out, nearest);
   std::array<double, kMostNeighbours> votes{};
   double sum = 0.0, distance = 0.0;
   for (int i = 0; i < found; ++i) {
@@ -65,6 +65,19 @@ bool add_votes(const CaseBase& base, const CaseSpace& space, const EmbeddedPlace
   }
   verdict.distance += distance / space.farthest / spaces;
   return distance <= space.farthest;
+}
+
+// place_in gives the query's place in a space.
+template <typename PlaceIn>
+CaseVerdict verdict_of(const CaseBase& base, int left_out, const PlaceIn& place_in) {
+  CaseVerdict verdict;
+  verdict.allowed_least.fill(1.0);
+  verdict.known = true;
+  for (const CaseSpace& space : base.spaces) {
+    verdict.known &= add_votes(base, space, place_in(space), left_out, verdict);
+  }
+  verdict.best = static_cast<int>(std::ranges::max_element(verdict.votes) - verdict.votes.begin());
+  return verdict;
 }
 
 [[noreturn]] void refuse(const std::string& what) {
@@ -92,6 +105,9 @@ void CaseBase::check() const {
   if (neighbours < 1 || neighbours > kMostNeighbours || static_cast<int>(classes.size()) <= neighbours) {
     refuse("it has fewer cases than neighbours");
   }
+  for (const double sure : {sure_of_group, sure_of_situation}) {
+    if (!(sure >= 0.0 && sure <= 1.0)) refuse("a share of votes is not between 0 and 1");
+  }
   for (const SituationClass& situation : situations) {
     if (situation.group < 0 || situation.group >= static_cast<int>(group_names.size())) refuse("a class has no group");
   }
@@ -104,15 +120,16 @@ void CaseBase::check() const {
 }
 
 CaseVerdict classify(const CaseBase& base, const Eigen::Ref<const Eigen::VectorXd>& attributes) {
-  CaseVerdict verdict;
-  if (!attributes.allFinite()) return verdict;
-  verdict.allowed_least.fill(1.0);
-  verdict.known = true;
-  for (const CaseSpace& space : base.spaces) {
-    verdict.known &= add_votes(base, space, space.embedding.place(attributes), verdict);
-  }
-  verdict.best = static_cast<int>(std::ranges::max_element(verdict.votes) - verdict.votes.begin());
-  return verdict;
+  if (!attributes.allFinite()) return {};
+  EmbeddedPlace place;
+  return verdict_of(base, -1, [&](const CaseSpace& space) {
+    place = space.embedding.place(attributes);
+    return place.data();
+  });
+}
+
+CaseVerdict classify_left_out(const CaseBase& base, int index) {
+  return verdict_of(base, index, [&](const CaseSpace& space) { return space.cases.col(index).data(); });
 }
 
 double distance_to_others(const CaseBase& base, const CaseSpace& space, int index) {
@@ -122,6 +139,12 @@ double distance_to_others(const CaseBase& base, const CaseSpace& space, int inde
   double sum = 0.0;
   for (int i = 0; i < found; ++i) sum += std::sqrt(static_cast<double>(nearest[i].squared));
   return sum / found;
+}
+
+std::array<double, kMostClasses> group_votes(const CaseBase& base, const std::array<double, kMostClasses>& votes) {
+  std::array<double, kMostClasses> groups{};
+  for (std::size_t c = 0; c < base.situations.size(); ++c) groups[base.situations[c].group] += votes[c];
+  return groups;
 }
 
 }  // namespace raybundle

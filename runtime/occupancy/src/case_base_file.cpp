@@ -10,7 +10,7 @@
 namespace raybundle {
 namespace {
 
-constexpr FileKind kKind{"RBOCCUPY", 2, "base of occupancy cases", "raybundle occupancy learn"};
+constexpr FileKind kKind{"RBOCCUPY", 3, "base of occupancy cases", "raybundle occupancy learn"};
 constexpr int kMostCases = 1 << 20, kMostLayers = 8;
 
 void add_matrix(ByteWriter& writer, const Eigen::Ref<const Eigen::MatrixXf>& matrix) {
@@ -53,6 +53,8 @@ std::string bytes_from_case_base(const CaseBase& base) {
     add_count(situation.inert ? 1 : 0);
   }
   add_count(base.neighbours);
+  writer.value(base.sure_of_group);
+  writer.value(base.sure_of_situation);
   add_count(static_cast<Eigen::Index>(base.classes.size()));
   add_count(static_cast<Eigen::Index>(base.spaces.size()));
   for (const CaseSpace& space : base.spaces) {
@@ -86,6 +88,8 @@ CaseBase case_base_from_bytes(std::string_view bytes, const std::string& where) 
     situation.inert = reader.count(0, 1, "whether a class is inert") == 1;
   }
   base.neighbours = reader.count(1, kMostNeighbours, "the number of neighbours");
+  base.sure_of_group = reader.value<double>();
+  base.sure_of_situation = reader.value<double>();
   const int cases = reader.count(1, kMostCases, "the number of cases");
   base.spaces.resize(static_cast<std::size_t>(reader.count(1, kMostSpaces, "the number of spaces")));
   for (CaseSpace& space : base.spaces) {

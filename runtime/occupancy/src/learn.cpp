@@ -3,6 +3,9 @@
 #include "raybundle/occupancy/learn.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <thread>
 #include <utility>
 
 #include "embedding_search.hpp"
@@ -11,7 +14,11 @@
 namespace raybundle {
 namespace {
 
-constexpr Eigen::Index kAsked = 4000;  // cases whose distances to the others set what is near
+constexpr Eigen::Index kAsked = 6000;  // cases that are held against the others to set bounds
+
+int voting_of(const LabelledCases& cases) {
+  return cases.voting > 0 ? cases.voting : static_cast<int>(cases.classes.size());
+}
 
 void check(const LabelledCases& cases, const LearnOptions& options) {
   if (cases.attributes.cols() != static_cast<Eigen::Index>(cases.classes.size()) ||
@@ -19,21 +26,25 @@ void check(const LabelledCases& cases, const LearnOptions& options) {
       cases.situations.size() > kMostClasses) {
     throw Error(ErrorKind::kBadInput, "attributes and classes of the cases to learn differ in number");
   }
+  if (cases.voting < 0 || cases.voting >= static_cast<int>(cases.classes.size())) {
+    throw Error(ErrorKind::kBadInput, "of the cases to learn, none are left beside those that vote");
+  }
   if (!cases.attributes.allFinite()) throw Error(ErrorKind::kBadInput, "an attribute to learn is not finite");
   for (std::size_t c = 0; c < cases.situations.size(); ++c) {
-    const auto count = std::ranges::count(cases.classes, static_cast<std::uint8_t>(c));
+    const auto count =
+        std::count(cases.classes.end() - voting_of(cases), cases.classes.end(), static_cast<std::uint8_t>(c));
     if (count <= options.neighbours) {
       throw Error(ErrorKind::kNotEnoughData, "class '" + cases.situations[c].name + "' has " + std::to_string(count) +
-                                                 " cases, and more than " + std::to_string(options.neighbours) +
-                                                 " are needed: add scenes of it");
+                                                 " cases that vote, and more than " +
+                                                 std::to_string(options.neighbours) + " are needed: add scenes of it");
     }
   }
 }
 
-// What near cases should have in common: class and right action.
-std::vector<int> kinds_of(const LabelledCases& cases) {
+// What near cases should have in common: class and right action. Of the first cases.
+std::vector<int> kinds_of(const LabelledCases& cases, Eigen::Index count) {
   std::vector<int> kinds;
-  for (std::size_t n = 0; n < cases.classes.size(); ++n) {
+  for (Eigen::Index n = 0; n < count; ++n) {
     kinds.push_back(cases.classes[n] * kAirbagActions + static_cast<int>(cases.actions[n]));
   }
   return kinds;
@@ -55,39 +66,92 @@ int steps_for(Eigen::Index cases) {
   return static_cast<int>(std::max(kLeast, kPasses * cases / kEmbeddingBatch));
 }
 
+CaseSpace space_of(const Eigen::MatrixXf& attributes, const std::vector<int>& kinds,
+                   const Eigen::Ref<const Eigen::MatrixXd>& voting, const EmbeddingSearch& search) {
+  CaseSpace space{.embedding = embedding_search(attributes, kinds, search), .cases = {}};
+  space.cases.resize(space.embedding.size(), voting.cols());
+  for (Eigen::Index n = 0; n < voting.cols(); ++n) {
+    const EmbeddedPlace place = space.embedding.place(voting.col(n));
+    space.cases.col(n) = Eigen::Map<const Eigen::VectorXf>(place.data(), space.embedding.size());
+  }
+  return space;
+}
+
+// An answer, were it told.
+struct Told {
+  double votes = 0.0;
+  bool right = false;
+};
+
+template <typename Votes>
+Told told(const Votes& votes, int truth) {
+  const auto most = std::ranges::max_element(votes);
+  return {*most, most - votes.begin() == truth};
+}
+
+// The least votes such that of all answers with as many the wanted share is right, at 95 % confidence; 1 when there are
+// none: then only what no vote speaks against is told. Lower bound of a share: Wilson 1927.
+double least_sure(std::vector<Told> answers, double wanted) {
+  constexpr double kZ = 1.645;
+  std::ranges::sort(answers, [](const Told& a, const Told& b) { return a.votes > b.votes; });
+  double least = 1.0, right = 0.0;
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    right += answers[i].right;
+    const double n = static_cast<double>(i) + 1.0, p = right / n, z2 = kZ * kZ;
+    const double low = (p + z2 / (2 * n) - kZ * std::sqrt(p * (1 - p) / n + z2 / (4 * n * n))) / (1 + z2 / n);
+    const bool last_of_its_votes = i + 1 == answers.size() || answers[i + 1].votes < answers[i].votes;
+    if (last_of_its_votes && low >= wanted) least = answers[i].votes;
+  }
+  return least;
+}
+
+// Votes that must be had before groups and classes are told, by what the voting cases say of each other.
+void set_sureness(CaseBase& base, const LearnOptions& options) {
+  const Eigen::Index cases = base.spaces.front().cases.cols(), step = 1 + (cases - 1) / kAsked;
+  std::vector<Told> groups, situations;
+  for (Eigen::Index n = 0; n < cases; n += step) {
+    const CaseVerdict verdict = classify_left_out(base, static_cast<int>(n));
+    if (!verdict.known) continue;
+    situations.push_back(told(verdict.votes, base.classes[n]));
+    groups.push_back(told(group_votes(base, verdict.votes), base.situations[base.classes[n]].group));
+  }
+  base.sure_of_group = least_sure(std::move(groups), options.right_groups);
+  base.sure_of_situation = least_sure(std::move(situations), options.right_situations);
+}
+
 }  // namespace
 
 CaseBase learn(const LabelledCases& cases, const LearnOptions& options) {
   check(cases, options);
-  const Eigen::MatrixXf attributes = cases.attributes.cast<float>();
+  const int voting = voting_of(cases);
+  const Eigen::Index learnt = cases.attributes.cols() - cases.voting;
+  const Eigen::MatrixXf attributes = cases.attributes.leftCols(learnt).cast<float>();
+  const std::vector<int> kinds = kinds_of(cases, learnt);
   CaseBase base{.attribute_set = cases.attribute_set,
                 .situations = cases.situations,
                 .group_names = cases.group_names,
-                .spaces = {},
-                .classes = {},
-                .actions = {},
+                .spaces = std::vector<CaseSpace>(static_cast<std::size_t>(options.spaces)),
+                .classes = {cases.classes.end() - voting, cases.classes.end()},
+                .actions = {cases.actions.end() - voting, cases.actions.end()},
                 .neighbours = options.neighbours};
-  const Eigen::Index every = 1 + (attributes.cols() - 1) / options.most_cases;
-  for (Eigen::Index n = 0; n < attributes.cols(); n += every) {
-    base.classes.push_back(cases.classes[n]);
-    base.actions.push_back(cases.actions[n]);
-  }
-  const std::vector<int> kinds = kinds_of(cases);
-  EmbeddingSearch search{.sizes = options.layers,
-                         .steps = std::min(options.steps, steps_for(attributes.cols())),
-                         .decay = options.decay,
-                         .dropout = options.dropout};
-  for (int s = 0; s < options.spaces; ++s) {
-    search.seed = static_cast<std::uint64_t>(s) + 1;
-    CaseSpace space{.embedding = embedding_search(attributes, kinds, search), .cases = {}};
-    space.cases.resize(space.embedding.size(), static_cast<Eigen::Index>(base.classes.size()));
-    for (Eigen::Index n = 0; n < space.cases.cols(); ++n) {
-      const EmbeddedPlace place = space.embedding.place(cases.attributes.col(n * every));
-      space.cases.col(n) = Eigen::Map<const Eigen::VectorXf>(place.data(), space.embedding.size());
+  std::atomic<std::size_t> next = 0;
+  const auto search_spaces = [&] {
+    for (std::size_t s = next++; s < base.spaces.size(); s = next++) {
+      base.spaces[s] = space_of(attributes, kinds, cases.attributes.rightCols(voting),
+                                {.sizes = options.layers,
+                                 .steps = std::min(options.steps, steps_for(learnt)),
+                                 .decay = options.decay,
+                                 .dropout = options.dropout,
+                                 .seed = s + 1});
+      base.spaces[s].farthest = farthest_known(base, base.spaces[s], options.known_share);
     }
-    space.farthest = farthest_known(base, space, options.known_share);
-    base.spaces.push_back(std::move(space));
+  };
+  {
+    std::vector<std::jthread> workers;
+    for (int t = 1; t < options.threads; ++t) workers.emplace_back(search_spaces);
+    search_spaces();
   }
+  set_sureness(base, options);
   base.check();
   return base;
 }

@@ -25,9 +25,10 @@ const AttributeSet* attributes_of(const CaseBase& base) {
 
 OccupancyMonitor::OccupancyMonitor(const VehicleLayout& layout, CaseBase base, int rays, const MonitorOptions& options)
     : layout_(layout), base_(std::move(base)), attributes_(attributes_of(base_)), options_(options) {
-  if (rays < 1 || options.calm_frames < 1) {
-    throw Error(ErrorKind::kBadInput, "a monitor needs at least one ray and one calm frame");
+  if (rays < 1 || options.calm_frames < 1 || options.memory_frames < 1) {
+    throw Error(ErrorKind::kBadInput, "a monitor needs at least one ray, one calm frame and one frame of memory");
   }
+  last_votes_.resize(static_cast<std::size_t>(options.memory_frames));
   range_m_.resize(static_cast<std::size_t>(rays), NAN);
   last_range_m_ = range_m_;
   restart();
@@ -35,6 +36,7 @@ OccupancyMonitor::OccupancyMonitor(const VehicleLayout& layout, CaseBase base, i
 
 void OccupancyMonitor::restart() {
   first_ = true;
+  votes_ = 0;
   last_actions_.assign(static_cast<std::size_t>(options_.calm_frames) - 1, AirbagAction::kUndecided);
 }
 
@@ -74,9 +76,21 @@ double OccupancyMonitor::moving_share(const Scan& scan) {
   return both == 0 ? 0.0 : static_cast<double>(moved) / both;
 }
 
+// Mean of the votes of this frame and of those before it.
+std::array<double, kMostClasses> OccupancyMonitor::remembered(const std::array<double, kMostClasses>& votes) {
+  last_votes_[votes_++ % last_votes_.size()] = votes;
+  const std::size_t frames = std::min(votes_, last_votes_.size());
+  std::array<double, kMostClasses> mean{};
+  for (std::size_t i = 0; i < frames; ++i) {
+    for (std::size_t c = 0; c < mean.size(); ++c) mean[c] += last_votes_[i][c] / static_cast<double>(frames);
+  }
+  return mean;
+}
+
 // What moves is not inert: the votes go to the others.
-void OccupancyMonitor::vote(Occupancy& now) const {
-  std::array<double, kMostClasses>& votes = now.verdict.votes;
+void OccupancyMonitor::vote(Occupancy& now) {
+  if (!now.verdict.known) return;
+  std::array<double, kMostClasses> votes = remembered(now.verdict.votes);
   if (now.moving > options_.moving) {
     double left = 0.0;
     for (std::size_t c = 0; c < base_.situations.size(); ++c) {
@@ -87,12 +101,12 @@ void OccupancyMonitor::vote(Occupancy& now) const {
     for (double& vote : votes) vote = left > 0.0 ? vote / left : 0.0;
   }
   if (!now.verdict.known) return;
-  std::array<double, kMostClasses> groups{};
-  for (std::size_t c = 0; c < base_.situations.size(); ++c) groups[base_.situations[c].group] += votes[c];
-  now.situation = static_cast<int>(std::ranges::max_element(votes) - votes.begin());
-  now.confidence = votes[now.situation];
+  const auto situation = std::ranges::max_element(votes);
+  now.confidence = *situation;
+  if (*situation >= base_.sure_of_situation) now.situation = static_cast<int>(situation - votes.begin());
+  const std::array<double, kMostClasses> groups = group_votes(base_, votes);
   const auto group = std::ranges::max_element(groups);
-  if (*group >= options_.sure_of_group) now.group = static_cast<int>(group - groups.begin());
+  if (*group >= base_.sure_of_group) now.group = static_cast<int>(group - groups.begin());
 }
 
 // What this frame alone says. To fire, every space has to agree, and enough rays must have found the zones free: where

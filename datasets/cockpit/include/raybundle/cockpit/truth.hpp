@@ -90,6 +90,7 @@ struct CockpitTruth {
   /// From the dashboard's plane to the nearest place of what is on the seat, within the zones' height and width [m];
   /// infinite when nothing is.
   double dashboard_distance_m = std::numeric_limits<double>::infinity();
+  Eigen::Vector3d nearest_place = Eigen::Vector3d::Zero();  ///< [m] that place, when there is one
 };
 
 CabinGroup group_of(CabinClass seat_class);

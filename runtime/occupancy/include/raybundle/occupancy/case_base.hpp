@@ -44,6 +44,8 @@ struct CaseBase {
   std::vector<std::uint8_t> classes;       ///< N, indices into situations
   std::vector<AirbagAction> actions;       ///< N, what was right for each case
   int neighbours = 7;                      ///< k
+  double sure_of_group = 0.5;              ///< votes that a group must have before it is told
+  double sure_of_situation = 0.5;          ///< votes that a class must have before it is told
 
   /// @throws Error(kBadInput) naming what does not agree
   void check() const;
@@ -65,7 +67,13 @@ struct CaseVerdict {
 /// @param attributes  as many as the embedding takes
 CaseVerdict classify(const CaseBase& base, const Eigen::Ref<const Eigen::VectorXd>& attributes);
 
+/// What the nearest cases say of one of them, itself left out.
+CaseVerdict classify_left_out(const CaseBase& base, int index);
+
 /// How far a case is from the k nearest others of its space, on average.
 double distance_to_others(const CaseBase& base, const CaseSpace& space, int index);
+
+/// Votes of the groups, from those of the classes.
+std::array<double, kMostClasses> group_votes(const CaseBase& base, const std::array<double, kMostClasses>& votes);
 
 }  // namespace raybundle

@@ -19,24 +19,30 @@ struct LabelledCases {
   Eigen::MatrixXd attributes;         ///< D×N
   std::vector<std::uint8_t> classes;  ///< N
   std::vector<AirbagAction> actions;  ///< N, what is right for each
+  /// The last so many vote, and spaces are learnt from the others: cases that were learnt from lie nearer to their kind
+  /// than new ones do, and vote too surely. They must be of other scenes. 0: all are learnt from and vote.
+  int voting = 0;
 };
 
 struct LearnOptions {
   int neighbours = 25;
   int spaces = 3;                       ///< learnt apart, each from other random numbers
-  int most_cases = 24000;               ///< kept, evenly chosen; all are learnt from
   double known_share = 0.999;           ///< of the learnt cases that are near enough to the others: sets `farthest`
   std::vector<int> layers{96, 48, 16};  ///< sizes of the embedding's layers, the last one that of the cases' space
-  int steps = 2000;                     ///< of the search for it, at most; fewer for few cases
+  int steps = 30000;                    ///< of the search for it, at most; fewer for few cases
   double decay = 1e-4;                  ///< how much its weights are drawn to zero
   double dropout = 0.1;                 ///< share of the values between layers that a step leaves out
+  double right_groups = 0.99;           ///< share of the groups told that must be right: sets `sure_of_group`
+  double right_situations = 0.95;       ///< the same for classes
+  int threads = 1;                      ///< the base does not depend on them
 };
 
-/// Makes a base of cases: an embedding in which neighbours are of one class and of one right action, and the places of
-/// all cases in it. Not for the device: it uses the heap.
+/// Makes a base of cases: spaces in which neighbours are of one class and of one right action, and the places of the
+/// voting cases in them. What must be sure of is set by what the voting cases say of each other: the least votes whose
+/// answers are right with the wanted share at 95 % confidence. Not for the device: it uses the heap.
 ///
-/// @throws Error(kNotEnoughData) when a class has fewer cases than neighbours; Error(kBadInput) when sizes differ
-/// Source: embedding_search.hpp
+/// @throws Error(kNotEnoughData) when a class has fewer voting cases than neighbours; Error(kBadInput) when sizes
+/// differ Source: embedding_search.hpp
 CaseBase learn(const LabelledCases& cases, const LearnOptions& options = {});
 
 }  // namespace raybundle
