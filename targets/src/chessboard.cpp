@@ -16,7 +16,7 @@ namespace {
 
 /// Half the size, a level after the other, as long as a board could be seen.
 std::vector<cv::Mat> pyramid_of(const cv::Mat& gray) {
-  constexpr int kSmallest_px = 160;
+  constexpr int kSmallest_px = 120;
   std::vector<cv::Mat> levels{gray};
   while (levels.size() < 5 && std::min(levels.back().cols, levels.back().rows) >= 2 * kSmallest_px) {
     cv::Mat half;
@@ -26,10 +26,10 @@ std::vector<cv::Mat> pyramid_of(const cv::Mat& gray) {
   return levels;
 }
 
-/// The order in which levels are searched: about VGA first, which is cheap and forgives noise, then finer, then
+/// The order in which levels are searched: about half of VGA first, which is cheap and forgives noise, then finer, then
 /// coarser.
 std::vector<int> search_order(const std::vector<cv::Mat>& levels) {
-  constexpr int kFirst_px = 800;
+  constexpr int kFirst_px = 500;
   int first = 0;
   while (first + 1 < static_cast<int>(levels.size()) && std::max(levels[first].cols, levels[first].rows) > kFirst_px)
     ++first;
@@ -51,10 +51,12 @@ Lattice in_full_image(Lattice lattice, const cv::Mat& level, const cv::Mat& full
 }
 
 /// Grows at full resolution; an image that is too blurred for that grows at the level where it was seen.
-Lattice grown(const std::vector<cv::Mat>& levels, int level, const Lattice& seed, int longest) {
+///
+/// @param all  corners of the board: seeds may hold more, on what is no board
+Lattice grown(const std::vector<cv::Mat>& levels, int level, const Lattice& seed, int longest, std::size_t all) {
   Lattice fine = in_full_image(seed, levels[level], levels[0]);
   grow_lattice(levels[0], fine, longest);
-  if (level == 0 || fine.size() >= seed.size()) return fine;
+  if (level == 0 || fine.size() >= std::min(seed.size(), all)) return fine;
   Lattice coarse = seed;
   grow_lattice(levels[level], coarse, longest);
   coarse = in_full_image(coarse, levels[level], levels[0]);
@@ -88,7 +90,7 @@ Detection detect_chessboard(const cv::Mat& gray, const Chessboard& board) {
     for (const Lattice& seed : lattices) {
       if (4 * seed.size() < lattices.front().size()) break;  // largest first
       if (seed.size() <= best.observations.size() / 2) break;
-      Lattice lattice = grown(levels, level, seed, longest);
+      Lattice lattice = grown(levels, level, seed, longest, all);
       trim_lattice(lattice, board);
       Detection placed = detection_on_lattice(lattice, closed_sides(levels[0], lattice), board);
       if (placed.observations.empty() && lattice.size() > unplaced.size()) unplaced = lattice;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <deque>
 #include <limits>
 
@@ -21,33 +22,61 @@ struct Link {
 using Links = std::vector<std::array<Link, 4>>;
 
 float grey_at(const cv::Mat& image, const Eigen::Vector2f& pixel) {
-  const int x = std::clamp(static_cast<int>(std::lround(pixel.x())), 0, image.cols - 1);
-  const int y = std::clamp(static_cast<int>(std::lround(pixel.y())), 0, image.rows - 1);
+  const int x = std::clamp(static_cast<int>(pixel.x() + 0.5F), 0, image.cols - 1);
+  const int y = std::clamp(static_cast<int>(pixel.y() + 0.5F), 0, image.rows - 1);
   return static_cast<float>(image.at<uchar>(y, x));
 }
+
+/// Candidates as arrays, so that a processor looks at several at once.
+struct Places {
+  std::vector<float> x, y;
+  std::vector<std::uint8_t> along;  // whether the last one looked at has a ray towards this one, or away from it
+
+  explicit Places(const std::vector<SaddleCandidate>& candidates) : along(candidates.size()) {
+    for (const SaddleCandidate& candidate : candidates) {
+      x.push_back(candidate.pixel.x());
+      y.push_back(candidate.pixel.y());
+    }
+  }
+
+  /// Looks at all from `begin` on.
+  void look(const SaddleCandidate& from, std::size_t begin) {
+    const float from_x = from.pixel.x(), from_y = from.pixel.y();
+    const float a_x = from.rays[0].x(), a_y = from.rays[0].y(), b_x = from.rays[1].x(), b_y = from.rays[1].y();
+    const float *all_x = x.data(), *all_y = y.data();
+    std::uint8_t* out = along.data();
+    const std::size_t count = along.size();
+#pragma GCC ivdep
+    for (std::size_t j = begin; j < count; ++j) {
+      const float way_x = all_x[j] - from_x, way_y = all_y[j] - from_y;
+      const float along_a = a_x * way_x + a_y * way_y, along_b = b_x * way_x + b_y * way_y;
+      const float least = kAlong * kAlong * (way_x * way_x + way_y * way_y);
+      out[j] = static_cast<std::uint8_t>((along_a * along_a >= least) | (along_b * along_b >= least));
+    }
+  }
+};
 
 /// The nearest candidate along each ray whose own ray looks back and which an edge joins.
 Links nearest_links(const std::vector<SaddleCandidate>& candidates, const cv::Mat& blurred) {
   const int n = static_cast<int>(candidates.size());
   Links links(candidates.size());
+  Places places(candidates);
   const float longest = 0.45F * static_cast<float>(std::max(blurred.cols, blurred.rows));
   for (int i = 0; i < n; ++i) {
+    places.look(candidates[i], static_cast<std::size_t>(i) + 1);
     for (int j = i + 1; j < n; ++j) {
+      if (places.along[j] == 0) continue;
       const Eigen::Vector2f way = candidates[j].pixel - candidates[i].pixel;
-      // Most pairs end here; the other two rays look the opposite way.
-      const float squared = way.squaredNorm(), along_a = candidates[i].rays[0].dot(way);
-      const float along_b = candidates[i].rays[1].dot(way);
-      if (std::max(along_a * along_a, along_b * along_b) < kAlong * kAlong * squared) continue;
-      const float distance = std::sqrt(squared);
+      const float distance = way.norm();
       if (distance < 2.5F || distance > longest) continue;
       const float least = kAlong * distance;
       for (int ray = 0; ray < 4; ++ray) {
         if (candidates[i].rays[ray].dot(way) < least) continue;
         for (int back = (ray + 1) % 2; back < 4; back += 2) {  // colours alternate: rays of the other kind look back
-          if (-candidates[j].rays[back].dot(way) < least) continue;
           const bool nearer_i = distance < links[i][ray].distance;
           const bool nearer_j = distance < links[j][back].distance;
           if (!nearer_i && !nearer_j) continue;
+          if (-candidates[j].rays[back].dot(way) < least) continue;
           const float contrast = std::min(candidates[i].contrast, candidates[j].contrast);
           if (!edge_between(blurred, candidates[i].pixel, candidates[j].pixel, ray % 2 == 0, 0.25F * contrast))
             continue;
