@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "raybundle/occupancy/scan.hpp"
+#include "raybundle/occupancy/seat.hpp"
+#include "raybundle/occupancy/vehicle.hpp"
+
+namespace raybundle {
+
+/// What heads are like, and what is believed to be one. Sizes follow ISO 7250: adults of both sexes and schoolchildren.
+struct HeadOptions {
+  Eigen::Vector3d semi_axes_m = {0.092, 0.075, 0.110};  ///< to the face, to the ear, to the crown
+  double size_sigma = 0.05;                             ///< standard deviation of a factor of all axes
+  double turn_sigma_rad = 0.7;                          ///< of heads about the vertical, against looking ahead
+  double nod_rad = 0.15;                                ///< commonly, the face down
+  double nod_sigma_rad = 0.4;
+  double hair_m = 0.005;             ///< head and hair are centred so far behind the head
+  double hair_sigma_m = 0.006;       ///< of the centre: how hair lies is not known
+  double shape_sigma_m = 0.006;      ///< of faces and hair from the ellipsoid
+  double alike_points = 16.0;        ///< so many points err alike, as neighbouring pixels of a matcher do
+  double edge_growth_rad = 0.012;    ///< angle by which a matcher's windows make near things larger
+  double least_from_bight_m = 0.48;  ///< a head is so far from where cushion and back meet,
+  double least_above_cushion_m = 0.30;
+  double least_before_back_m = 0.10;  ///< headrests are nearer
+  int least_points = 60;
+  double least_filled = 0.80;
+  double least_clear = 0.60;
+  double most_size = 1.20;  ///< of the factor
+};
+
+/// A head that was found.
+struct Head {
+  bool found = false;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();         ///< [m] of the head's ellipsoid, in the vehicle frame
+  Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();  ///< of the centre
+  Eigen::Vector3d semi_axes_m = Eigen::Vector3d::Zero();    ///< to the face, to the ear, to the crown
+  int points = 0;                                           ///< on it
+  double residual_m = 0.0;                                  ///< their root mean square distance from it
+  double filled = 0.0;  ///< share of the rays through a ball of its size that end on it
+  double clear = 0.0;   ///< share of the rays just beside the upper half of that ball that end far behind
+};
+
+/// The head of whoever is on the seat, from the dense points of one frame.
+///
+/// Where points are as if on the front of a ball that stands free, an ellipsoid of the size of heads is fitted: points
+/// on it pull its surface, rays that pass beside it push it. What is told is the ellipsoid's centre, a point amid the
+/// head, not a point of the face. What is no head in size, in place above the seat, or in how it stands free, is not
+/// found. Without heap; the same bits on every run.
+///
+/// @param seat  as it is set: headrests are told from heads by it
+Head find_head(const VehicleLayout& layout, const SeatPose& seat, const Scan& scan, const HeadOptions& options = {});
+
+}  // namespace raybundle

@@ -1,0 +1,147 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "head_fit.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace raybundle {
+namespace {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+constexpr int kIterations = 14, kWideIterations = 6;
+constexpr double kCut = 3.0;        // sigmas, of the biweight; at first thrice as wide
+constexpr double kBehind_m = 0.05;  // what ends so far behind the head's middle has passed it
+constexpr double kChin = -0.3;      // of the crown's axis: below, necks and collars are taken for heads
+constexpr double kGrazing = 0.3;    // cosine: what is seen more flatly beside the outline is the matcher's smear
+constexpr double kMostSize = 0.5, kMostTurn_rad = 0.3, kMostGrowth = 0.1;  // of the logarithm; of a step
+
+struct Ellipsoid {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double log_size = 0.0, turn_rad = 0.0, nod_rad = 0.0;
+
+  Eigen::Matrix3d vehicle_from_head() const {
+    const Eigen::AngleAxisd turn(turn_rad, Eigen::Vector3d::UnitZ()), nod(nod_rad, Eigen::Vector3d::UnitY());
+    return (turn * nod).toRotationMatrix();
+  }
+};
+
+// How far a place is from the surface, to first order, and how that changes with centre, size, turn and nod.
+struct Distance {
+  double m = 0.0;
+  Vector6 row = Vector6::Zero();
+};
+
+// The sums of one step.
+class Sums {
+ public:
+  Sums(const Ellipsoid& ellipsoid, const Scan& scan, const HeadOptions& options)
+      : options_(options),
+        eye_(scan.viewpoint_in_vehicle),
+        turn_(ellipsoid.vehicle_from_head()),
+        axes_(std::exp(ellipsoid.log_size) * options.semi_axes_m),
+        centre_(ellipsoid.centre),
+        eye_in_ball_(in_ball(eye_)) {}
+
+  void add(const ScenePoint& point, double cut) {
+    const Eigen::Vector3d place = in_ball(point.x_in_vehicle), through = place - eye_in_ball_;
+    const double nearest = -eye_in_ball_.dot(through) / through.squaredNorm();  // share of the range
+    const Eigen::Vector3d past = eye_in_ball_ + nearest * through;
+    const double outline = past.norm();
+    if (nearest <= 0.0 || outline > 2.0) return;
+    const double range = (point.x_in_vehicle - eye_).norm();
+    const bool passes = (1.0 - nearest) * range > kBehind_m;
+    const double rho = passes ? outline : place.norm();
+    if (rho > 2.0 || rho < 0.3 || (passes ? past : place).z() < kChin || (passes && rho > 1.0)) return;
+
+    Distance distance = distance_of(passes ? past : place);
+    const double facing = (point.x_in_vehicle - eye_).dot(distance.row.head<3>()) / range;
+    if (facing < (outline > 1.0 ? -kGrazing : 0.0)) return;  // its far side
+    if (outline > 1.0) {
+      // The nearer surface is smeared over its outline: within the smear it tells nothing.
+      distance.m -= options_.edge_growth_rad * range;
+      if (distance.m <= 0.0) return;
+    }
+    const double depth_m = passes ? 0.0 : point.sigma_m * facing;
+    const double variance = depth_m * depth_m + options_.shape_sigma_m * options_.shape_sigma_m;
+    const double share2 = distance.m * distance.m / (cut * cut * variance);
+    if (share2 >= 1.0) return;
+    const double weight = (1.0 - share2) * (1.0 - share2) / variance;
+    information += weight / options_.alike_points * distance.row * distance.row.transpose();
+    gradient += weight / options_.alike_points * distance.m * distance.row;
+    if (passes) return;
+    squares_ += distance.m * distance.m;
+    ++points;
+  }
+
+  void add_prior(int i, double value, double sigma) {
+    information(i, i) += 1.0 / (sigma * sigma);
+    gradient[i] += value / (sigma * sigma);
+  }
+
+  double residual_m() const { return std::sqrt(squares_ / std::max(1, points)); }
+
+  Matrix6 information = Matrix6::Zero();
+  Vector6 gradient = Vector6::Zero();
+  int points = 0;
+
+ private:
+  Eigen::Vector3d in_ball(const Eigen::Vector3d& x) const {
+    return (turn_.transpose() * (x - centre_)).cwiseQuotient(axes_);
+  }
+
+  Distance distance_of(const Eigen::Vector3d& place) const {
+    const double rho = place.norm();
+    Eigen::Vector3d normal = turn_ * place.cwiseQuotient(axes_) / rho;
+    const double slope = normal.norm();
+    normal /= slope;
+    const Eigen::Vector3d off = turn_ * place.cwiseProduct(axes_);
+    Distance distance{(rho - 1.0) / slope, {}};
+    distance.row << -normal, -rho / slope, -normal.dot(Eigen::Vector3d::UnitZ().cross(off)),
+        -normal.dot(turn_.col(1).cross(off));
+    return distance;
+  }
+
+  const HeadOptions& options_;
+  Eigen::Vector3d eye_;
+  Eigen::Matrix3d turn_;
+  Eigen::Vector3d axes_, centre_, eye_in_ball_;
+  double squares_ = 0.0;
+};
+
+}  // namespace
+
+Head fit_head(const Scan& scan, const Eigen::Vector3d& start, const HeadOptions& options) {
+  Head head;
+  Ellipsoid ellipsoid{.centre = start, .nod_rad = options.nod_rad};
+  for (int i = 0; i < kIterations; ++i) {
+    Sums sums(ellipsoid, scan, options);
+    const double cut = kCut * (1.0 + 2.0 * std::max(0.0, 1.0 - static_cast<double>(i) / kWideIterations));
+    for (const ScenePoint& point : scan.points) sums.add(point, cut);
+    if (sums.points < options.least_points) return head;
+    sums.add_prior(3, ellipsoid.log_size, options.size_sigma);
+    sums.add_prior(4, ellipsoid.turn_rad, options.turn_sigma_rad);
+    sums.add_prior(5, ellipsoid.nod_rad - options.nod_rad, options.nod_sigma_rad);
+    const Vector6 step = -sums.information.ldlt().solve(sums.gradient);
+    ellipsoid.centre += step.head<3>();
+    ellipsoid.log_size =
+        std::clamp(ellipsoid.log_size + std::clamp(step[3], -kMostGrowth, kMostGrowth), -kMostSize, kMostSize);
+    ellipsoid.turn_rad += std::clamp(step[4], -kMostTurn_rad, kMostTurn_rad);
+    ellipsoid.nod_rad += std::clamp(step[5], -kMostTurn_rad, kMostTurn_rad);
+    head.points = sums.points;
+    head.residual_m = sums.residual_m();
+    head.covariance_m2 = sums.information.inverse().topLeftCorner<3, 3>();
+  }
+  head.covariance_m2.diagonal().array() += options.hair_sigma_m * options.hair_sigma_m;
+  head.found = ellipsoid.centre.allFinite();
+  head.centre = ellipsoid.centre + options.hair_m * ellipsoid.vehicle_from_head().col(0);
+  head.semi_axes_m = std::exp(ellipsoid.log_size) * options.semi_axes_m;
+  return head;
+}
+
+}  // namespace raybundle
