@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+
+// The head of whoever is on the seat, from depth of 128x128 stereo in simulated cabins: how far its centre is from the
+// true one, how often it is found, whether its sigma tells, and how often a head is found where none is.
+// usage: prove_head [scenes of each class, default 60]
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <vector>
+
+#include "each_index.hpp"
+#include "occupancy_scenes.hpp"
+#include "raybundle/geometry/quantile.hpp"
+#include "raybundle/occupancy/head.hpp"
+
+namespace {
+
+using namespace raybundle;
+using namespace raybundle::apps;
+
+constexpr double kMostMedian_m = 0.008, kMost95_m = 0.020;
+constexpr double kLeastFound = 0.95, kMostFalse = 0.01, kLeastCovered = 0.90;
+constexpr double kCovered = 7.815;  // of chi-squared with three degrees of freedom: 95 %
+constexpr int kVisible = 100;       // points on a head that is seen well
+constexpr std::uint64_t kSeed = 2000000000;
+constexpr int kThreads = 2;
+
+struct Trial {
+  bool there = false, visible = false, found = false;
+  double error_m = 0.0, chi_squared = 0.0;
+};
+
+Trial trial(CockpitGenerator generator, CabinClass wanted, std::uint64_t seed) {
+  const MeasuredScene scene = measured_scene({SensorKind::kStereo, {generator, seed, wanted, 0.0}, {11, 11}});
+  const SeatSetting& set = scene.truth.seat;
+  const SeatPose seat{{set.bight.x(), set.bight.z()}, set.recline_rad, set.cushion_pitch_rad};
+  const Head head = find_head(scene.layout, seat, scene.scan());
+  Trial trial{.there = scene.truth.head.has_value(), .found = head.found};
+  trial.visible = trial.there && std::ranges::count(scene.parts, CabinPart::kHead) >= kVisible;
+  if (!trial.there || !head.found) return trial;
+  const Eigen::Vector3d error = head.centre - scene.truth.head->centre;
+  trial.error_m = error.norm();
+  trial.chi_squared = error.dot(head.covariance_m2.ldlt().solve(error));
+  return trial;
+}
+
+bool print(const char* what, double value, double bar, bool at_least, const char* unit, double scale) {
+  const bool good = at_least ? value >= bar : value <= bar;
+  std::printf("  %-36s %7.1f %-3s bar %6.1f  %s\n", what, scale * value, unit, scale * bar, good ? "ok" : "FAILS");
+  return good;
+}
+
+struct Group {
+  const char* name;
+  std::vector<CabinClass> classes;
+};
+
+bool prove(CockpitGenerator generator, const Group& group, int scenes) {
+  std::vector<Trial> trials(group.classes.size() * static_cast<std::size_t>(scenes));
+  for_each_index(trials.size(), kThreads, [&](std::size_t i) {
+    trials[i] = trial(generator, group.classes[i % group.classes.size()], kSeed + i);
+  });
+  int visible = 0, visible_found = 0, covered = 0, empty = 0, wrong = 0;
+  std::vector<double> errors_m;
+  for (const Trial& trial : trials) {
+    visible += trial.visible;
+    visible_found += trial.visible && trial.found;
+    empty += !trial.there;
+    wrong += !trial.there && trial.found;
+    if (!trial.there || !trial.found) continue;
+    errors_m.push_back(trial.error_m);
+    covered += trial.chi_squared <= kCovered;
+  }
+  std::printf("%s, %s: %zu scenes, one frame each\n",
+              generator == CockpitGenerator::kTraining ? "training" : "held-out", group.name, trials.size());
+  bool good = true;
+  if (visible > 0)
+    good &= print("heads that are seen well and found", 1.0 * visible_found / visible, kLeastFound, true, "%", 100);
+  if (empty > 0) good &= print("heads found where none is", 1.0 * wrong / empty, kMostFalse, false, "%", 100);
+  if (!errors_m.empty()) {
+    good &= print("distance from the true centre, median", median(errors_m), kMostMedian_m, false, "mm", 1e3);
+    good &= print("95 % quantile", quantile(errors_m, 0.95), kMost95_m, false, "mm", 1e3);
+    good &= print("within the 95 % ellipsoid of its sigma", 1.0 * covered / std::ssize(errors_m), kLeastCovered, true,
+                  "%", 100);
+  }
+  std::fflush(stdout);
+  return good;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int scenes = argc > 1 ? std::atoi(argv[1]) : 60;
+  if (scenes < 1) {
+    std::fprintf(stderr, "usage: prove_head [scenes of each class, at least 1]\n");
+    return 2;
+  }
+  const Group groups[] = {
+      {"people on the seat", {CabinClass::kPassenger, CabinClass::kOutOfPosition, CabinClass::kChildInBooster}},
+      {"baby seats", {CabinClass::kForwardBabySeat, CabinClass::kRearBabySeat}},
+      {"nobody", {CabinClass::kEmpty, CabinClass::kEmptyBooster, CabinClass::kObjects}}};
+  bool good = true;
+  for (const CockpitGenerator generator : {CockpitGenerator::kTraining, CockpitGenerator::kTest}) {
+    for (const Group& group : groups) good &= prove(generator, group, scenes);
+  }
+  return good ? 0 : 1;
+}
