@@ -129,6 +129,7 @@ StereoSetup stereo_setup(const std::string& calibration_path, const StereoFlags&
   const double near_m = flags.near_m > 0 ? flags.near_m : kNearBaselines * pair.baseline_m;
   const int wanted = static_cast<int>(std::ceil(disparity_at(pair, near_m))) + 2 - flags.least_disparity;
   options.match.disparities = flags.disparities > 0 ? flags.disparities : std::clamp(wanted, 1, kMostDisparities);
+  options.match.mask = census_for(options.match.disparities);
   options.match.coarse_levels =
       flags.coarse_levels >= 0 ? flags.coarse_levels : coarse_levels_for(options.match.disparities);
   StereoSetup setup{left, right, StereoMatcher(file.calibration, left.name, right.name, options), {}};

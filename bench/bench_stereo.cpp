@@ -5,7 +5,8 @@
 // it was rounded to whole pixels of the full-size image. What is more than 1 px from the rounded truth stands beside
 // it; there, who is drawn to whole pixels is better off. The columns whose partner may lie outside of the right image
 // count for nobody. Steps along paths, census and window were chosen on cones and on aloe halved, plain and disturbed;
-// aloe in full size is why coarse levels begin beyond 250 disparities, and why the truth's rounding is allowed for.
+// aloe in full size is why coarse levels begin beyond 250 disparities, why the census is wider beyond 128, and why the
+// truth's rounding is allowed for.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -170,11 +171,12 @@ void print_quality(const std::string& data) {
         const auto better = [&](const Score& own) {
           return own.wrong < other.wrong && own.density >= other.density - 0.002;
         };
-        const Score own = ours_at_density(scene, other.density, {});
+        MatchOptions options;
+        options.mask = census_for(scene.disparities);
+        const Score own = ours_at_density(scene, other.density, options);
         fmt::print("{:<22} {:<14} | {:>7.2f} {:>7.2f} {:>7.2f} | {:>7.2f} {:>7.2f} {:>7.2f} | {}", scene.name,
                    peer.name, 100 * other.density, 100 * other.wrong, 100 * other.off_rounded, 100 * own.density,
                    100 * own.wrong, 100 * own.off_rounded, better(own) ? "better" : "NOT better");
-        MatchOptions options;
         options.coarse_levels = coarse_levels_for(scene.disparities);
         if (options.coarse_levels > 0) {
           const Score coarse = ours_at_density(scene, other.density, options);

@@ -45,4 +45,6 @@ CensusMask sparse_census(int side_px) {
   return square_mask(side_px, [](int x, int y) { return (x + y) % 2 != 0; });
 }
 
+CensusMask census_for(int disparities) { return disparities > 128 ? sparse_census(9) : dense_census(3); }
+
 }  // namespace raybundle

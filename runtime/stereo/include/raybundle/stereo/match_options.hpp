@@ -58,6 +58,10 @@ struct MatchOptions {
   Simd simd = best_simd();
 };
 
+/// The census that tells so many disparities apart best: of the eight neighbours up to 128. Beyond, images are so large
+/// that neighbours differ by noise more than by what is seen: the sparse one of 9x9 px.
+CensusMask census_for(int disparities);
+
 /// Coarse levels that make a search of so many disparities fast: none up to 250, which can be searched as a whole and
 /// then are told apart best.
 int coarse_levels_for(int disparities);
