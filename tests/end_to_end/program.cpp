@@ -34,14 +34,6 @@ fs::path cache_of_this_build() {
   return mine;
 }
 
-struct RemovedAtExit {
-  std::vector<fs::path> folders;
-  ~RemovedAtExit() {
-    std::error_code ignored;
-    for (const fs::path& folder : folders) fs::remove_all(folder, ignored);
-  }
-};
-
 }  // namespace
 
 ProgramRun raybundle_program(const std::vector<std::string>& arguments, const std::string& input) {
@@ -56,18 +48,6 @@ ProgramRun raybundle_program(const std::vector<std::string>& arguments, const st
   ProgramRun run{WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(out), text_of(err)};
   for (const std::string& file : {in, out, err}) fs::remove(file);
   return run;
-}
-
-fs::path fresh_folder() {
-  static RemovedAtExit all;
-  const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-  std::string name = fmt::format("raybundle_{}_{}_{}", test->test_suite_name(), test->name(), getpid());
-  for (char& c : name) c = c == '/' ? '_' : c;
-  const fs::path folder = fs::temp_directory_path() / name;
-  fs::remove_all(folder);
-  fs::create_directories(folder);
-  all.folders.push_back(folder);
-  return folder;
 }
 
 fs::path real_data(const std::string& folder) {

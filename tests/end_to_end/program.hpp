@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "fresh_folder.hpp"
 #include "raybundle/geometry/rigid3.hpp"
 
 /// The program as a person runs it: its command line in, exit code, streams and files out.
@@ -24,9 +25,6 @@ struct ProgramRun {
 /// Runs `raybundle <arguments>` with `input` on stdin. Its cache is one that only this build of the program has used,
 /// so that a test never sees what another version found.
 ProgramRun raybundle_program(const std::vector<std::string>& arguments, const std::string& input = "");
-
-/// An empty folder of the running test.
-std::filesystem::path fresh_folder();
 
 /// A folder of the real data, which RAYBUNDLE_DATA places elsewhere than beside the sources.
 std::filesystem::path real_data(const std::string& folder);

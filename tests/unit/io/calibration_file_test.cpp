@@ -2,12 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "raybundle/io/calibration_file.hpp"
 
-#include <unistd.h>
-
 #include <bit>
 #include <filesystem>
 #include <limits>
 
+#include "fresh_folder.hpp"
 #include "io_examples.hpp"
 
 namespace raybundle::testing {
@@ -102,7 +101,7 @@ TEST(CalibrationFile, HoldsTheNamesThatOthersScriptAgainst) {
 }
 
 TEST(CalibrationFile, WritesWholeFilesOnly) {
-  const auto path = std::filesystem::temp_directory_path() / ("raybundle_io_" + std::to_string(::getpid()) + ".json");
+  const auto path = fresh_folder() / "calibration.json";
   write_calibration(path, full_calibration());
   CalibrationFile broken = full_calibration();
   broken.calibration.cameras[0].camera.parameters[0] = std::numeric_limits<double>::quiet_NaN();

@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "raybundle/io/hash.hpp"
 
-#include <unistd.h>
-
+#include "fresh_folder.hpp"
 #include "io_examples.hpp"
 #include "raybundle/scene/atomic_file.hpp"
 
@@ -19,7 +18,7 @@ TEST(Sha256, AgreesWithTheStandard) {
 }
 
 TEST(Sha256, OfAFileIsThatOfItsBytes) {
-  const auto path = std::filesystem::temp_directory_path() / ("raybundle_hash_" + std::to_string(::getpid()));
+  const auto path = fresh_folder() / "file";
   const std::string bytes(200'000, '\0');
   write_file_whole(path, bytes);
   EXPECT_EQ(sha256_of_file(path), sha256_of_bytes(bytes));

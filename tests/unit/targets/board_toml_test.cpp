@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 
+#include "fresh_folder.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/targets/board_file.hpp"
 #include "raybundle/targets/board_kind.hpp"
@@ -51,8 +51,7 @@ TEST(BoardToml, WholeNumbersAreLengthsToo) {
 }
 
 TEST(BoardToml, AWrittenFileIsReadAgain) {
-  const std::filesystem::path folder =
-      std::filesystem::path(testing::TempDir()) / ("board_toml_" + std::to_string(getpid()));
+  const std::filesystem::path folder = fresh_folder();
   std::filesystem::create_directories(folder / "points");
   std::ofstream(folder / "points/nine \"a\".csv") << "0,0,0,0\n1,1,0,0\n2,0,1,0\n3,1,1,0.5\n";
   for (const Board& board : {board_from_word("chessboard:9x6:25mm"),

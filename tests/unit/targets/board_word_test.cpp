@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <fstream>
 
+#include "fresh_folder.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/targets/board.hpp"
 #include "raybundle/targets/board_kind.hpp"
@@ -96,7 +96,7 @@ TEST(BoardWord, WritesMillimetresForTheLengthsThatFilesHold) {
 }
 
 TEST(BoardWord, ReadsAPointList) {
-  const std::string path = testing::TempDir() + "board_word_points_" + std::to_string(getpid()) + ".csv";
+  const std::string path = (fresh_folder() / "points.csv").string();
   std::ofstream(path) << "point_id,x,y,z\n7,0.1,0.2,0.3\n3,0,0,0\n4,1,0,0\n5,0,1,0\n";
   const Board board = board_from_word("points:" + path);
   EXPECT_EQ(word_of(board), "points:" + path);
@@ -107,7 +107,7 @@ TEST(BoardWord, ReadsAPointList) {
 }
 
 TEST(BoardWord, PointListErrorsNameTheLine) {
-  const std::string path = testing::TempDir() + "board_word_bad_points_" + std::to_string(getpid()) + ".csv";
+  const std::string path = (fresh_folder() / "points.csv").string();
   std::ofstream(path) << "point_id,x,y,z\n0,0.1,0.2,0.3\n1,0,zero,0\n";
   EXPECT_THAT(message_of("points:" + path), HasSubstr(path + ":3"));
   std::ofstream(path) << "0,0,0,0\n1,1,0,0\n2,0,1,0\n1,1,1,0\n";

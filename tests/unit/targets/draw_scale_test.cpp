@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -10,6 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <regex>
 
+#include "fresh_folder.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/scene/atomic_file.hpp"
 #include "raybundle/targets/draw.hpp"
@@ -33,7 +33,7 @@ std::vector<double> edges_along(const cv::Mat& line) {
 
 // The page as an independent program sees it.
 cv::Mat rendered_pdf(const Drawing& drawing, int dpi) {
-  const std::string stem = testing::TempDir() + "draw_scale_" + std::to_string(getpid());
+  const std::string stem = (fresh_folder() / "page").string();
   write_file_whole(stem + ".pdf", drawing.bytes);
   const std::string command = "pdftoppm -gray -r " + std::to_string(dpi) + " -singlefile " + stem + ".pdf " + stem;
   if (std::system(command.c_str()) != 0) return {};
