@@ -10,9 +10,11 @@ namespace raybundle {
 namespace {
 
 // Where the bight lies from the H-point, and how long the flat parts are that every seat has.
-constexpr double kBightBehind_m = 0.14, kBightBelow_m = 0.11, kSlack_m = 0.04;
+constexpr double kBightBehind_m = 0.14, kBightBelow_m = 0.11, kSlack_m = 0.04,
+                 kLiftSlack_m = 0.02;  // less: what lies flat on the cushion lifts its line
 constexpr double kLeastPitch_rad = 0.05, kMostPitch_rad = 0.40, kSlack_rad = 0.05;
-constexpr double kShape_m = 0.005;  // how far a good seat is from two planes
+constexpr double kMoved_m = 0.06, kMoved_rad = 0.12;  // no two fits of one seat are so far apart
+constexpr double kShape_m = 0.005;                    // how far a good seat is from two planes
 struct Reach {
   double from_m, to_m;
 };
@@ -76,7 +78,7 @@ bool meet(const Line& cushion, const Line& back, SeatPose& pose) {
 
 bool allowed(const VehicleLayout& layout, const SeatPose& pose) {
   const bool travel = std::abs(pose.bight.x() + kBightBehind_m) < layout.track_m + kSlack_m &&
-                      std::abs(pose.bight.y() + kBightBelow_m) < layout.lift_m + kSlack_m;
+                      std::abs(pose.bight.y() + kBightBelow_m) < layout.lift_m + kLiftSlack_m;
   return travel && pose.recline_rad > layout.least_recline_rad - kSlack_rad &&
          pose.recline_rad < layout.most_recline_rad + kSlack_rad && pose.cushion_pitch_rad > kLeastPitch_rad &&
          pose.cushion_pitch_rad < kMostPitch_rad;
@@ -102,7 +104,7 @@ SeatFit grown_from(SeatPose pose, const VehicleLayout& layout, const Scan& scan,
   // Of a line: position across at the bight, and angle.
   const auto at_bight = [&](const Line& line) {
     const double away = (line.centre - pose.bight).norm();
-    return line.scatter_m2 / line.points * (1.0 + away * away / line.spread_m2);
+    return line.scatter_m2 * options.alike_points / line.points * (1.0 + away * away / line.spread_m2);
   };
   const double cushion_m2 = at_bight(cushion), back_m2 = at_bight(back);
   const Eigen::Vector2d cushion_across = cushion.across(), back_across = back.across();
@@ -110,7 +112,7 @@ SeatFit grown_from(SeatPose pose, const VehicleLayout& layout, const Scan& scan,
   fit.bight_sigma_m =
       (cushion_m2 * back_across.cwiseAbs2() + back_m2 * cushion_across.cwiseAbs2()).cwiseSqrt().reverse() /
       std::abs(sine);
-  fit.recline_sigma_rad = std::sqrt(back.scatter_m2 / (back.points * back.spread_m2));
+  fit.recline_sigma_rad = std::sqrt(back.scatter_m2 * options.alike_points / (back.points * back.spread_m2));
   return fit;
 }
 
@@ -150,8 +152,17 @@ SeatFit fit_seat(const VehicleLayout& layout, const Scan& scan, const SeatFitOpt
 }
 
 void SeatWatch::add(const SeatFit& fit) {
+  ++since_seen_;
   if (!fit.found) return;
+  if (frames_ > 0) {
+    const SeatPose before = seat().pose;
+    if ((fit.pose.bight - before.bight).norm() > kMoved_m ||
+        std::abs(fit.pose.recline_rad - before.recline_rad) > kMoved_rad) {
+      *this = {};
+    }
+  }
   last_ = fit;
+  since_seen_ = 0;
   ++frames_;
   const SeatPose& pose = fit.pose;
   const Eigen::Vector4d value(pose.bight.x(), pose.bight.y(), pose.recline_rad, pose.cushion_pitch_rad);

@@ -91,6 +91,34 @@ TEST(SeatWatch, AveragesFramesAndTellsTheirScatter) {
   EXPECT_NEAR(seat.bight_sigma_m.x(), 0.001, 0.0003);  // a hundred frames tell a scatter to 7 %
 }
 
+// Whoever sits down hides the seat: it is told as it was, and for how long it was not seen. A seat that is seen
+// elsewhere was moved: the mean of both would be neither.
+TEST(SeatWatch, KeepsAHiddenSeatAndForgetsOneThatWasMoved) {
+  SeatFit fit;
+  fit.found = true;
+  fit.pose.bight = {-0.10, -0.11};
+  SeatWatch watch;
+  for (int i = 0; i < 5; ++i) watch.add(fit);
+  for (int i = 0; i < 3; ++i) watch.add({});
+  EXPECT_EQ(watch.seat().pose.bight, fit.pose.bight);
+  EXPECT_EQ(watch.frames_since_seen(), 3);
+  fit.pose.bight.x() += 0.10;
+  watch.add(fit);
+  EXPECT_EQ(watch.frames(), 1);
+  EXPECT_EQ(watch.frames_since_seen(), 0);
+  EXPECT_EQ(watch.seat().pose.bight, fit.pose.bight);
+}
+
+// A crate as wide as the cushion is as flat as one, but no seat lifts so far.
+TEST(SeatFit, ACrateThatCoversTheCushionIsNoSeat) {
+  const SeatPose seat;
+  std::vector<ScenePoint> points = seat_points(seat, 0.002);
+  for (ScenePoint& point : points) {
+    if (seat.before_back(point.x_in_vehicle) > 0.02) point.x_in_vehicle.z() += 0.12;
+  }
+  EXPECT_FALSE(fit(points).found);
+}
+
 TEST(SeatFit, AHiddenSeatIsNotFound) {
   EXPECT_FALSE(fit({}).found);
   std::vector<ScenePoint> points = seat_points({}, 0.0);

@@ -13,8 +13,9 @@ struct SeatFitOptions {
   double tolerance_m = 0.03;   ///< of a point from a line that it belongs to, beside three of its sigmas
   int least_points = 12;       ///< on each line
   int iterations = 12;
-  double occupied_m = 0.06;   ///< what is so far before both lines is on the seat
-  double most_hidden = 0.15;  ///< share of the points within the seat's reach that may be on it: more hide the seat
+  double alike_points = 16.0;  ///< so many points err alike, as neighbouring pixels of a matcher do: for sigmas
+  double occupied_m = 0.06;    ///< what is so far before both lines is on the seat
+  double most_hidden = 0.15;   ///< share of the points within the seat's reach that may be on it: more hide the seat
 };
 
 /// A seat that was found.
@@ -36,19 +37,24 @@ SeatFit fit_seat(const VehicleLayout& layout, const Scan& scan, const SeatFitOpt
 
 /// The seat over several frames. Depths of neighbouring pixels err alike, which the scatter in one frame does not
 /// show; from frame to frame they err anew. So frames are averaged, and their scatter says how sure the mean is.
+///
+/// While somebody or something hides the seat, it stays as it was when it was last seen: its sigma does not know of a
+/// seat that is moved with somebody on it, frames_since_seen() does.
 class SeatWatch {
  public:
-  /// Takes one more frame; fits that found nothing change nothing.
+  /// Takes one more frame; fits that found nothing change nothing. A seat elsewhere than before was moved: what was
+  /// before is forgotten.
   void add(const SeatFit& fit);
 
   /// Mean of the frames; from the third one on, sigmas are those of the mean by the scatter between frames.
   SeatFit seat() const;
 
   int frames() const { return frames_; }
+  int frames_since_seen() const { return since_seen_; }  ///< that were added since the seat was last found
 
  private:
   SeatFit last_;
-  int frames_ = 0;
+  int frames_ = 0, since_seen_ = 0;
   Eigen::Vector4d mean_ = Eigen::Vector4d::Zero();     ///< bight x and z, recline, pitch
   Eigen::Vector4d squares_ = Eigen::Vector4d::Zero();  ///< of the deviations from it
 };
