@@ -12,6 +12,7 @@
 #include "pose_rows.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "unknowns.hpp"
+#include "view_data.hpp"
 #include "workers.hpp"
 
 namespace raybundle {
@@ -112,14 +113,14 @@ std::vector<FrameInformation> information_by_frame(const CalibrationProblem& pro
                                                    const BundleOptions& options) {
   const Layout layout(estimated_blocks(problem, state, options));
   const Unknowns unknowns(state);
+  Workers workers(options.threads);
   std::map<int, std::vector<ViewData>> views_of_pose;
-  for (ViewData& view : used_views(problem, state)) views_of_pose[view.pose].push_back(std::move(view));
+  for (ViewData& view : used_views(problem, state, workers)) views_of_pose[view.pose].push_back(std::move(view));
   std::vector<const std::vector<ViewData>*> poses;
   for (const auto& [pose, views] : views_of_pose) poses.push_back(&views);
 
   std::vector<PoseEquations> equations(poses.size());
   std::vector<int> unprojectable(poses.size(), -1);
-  Workers workers(options.threads);
   workers.for_each(static_cast<int>(poses.size()), [&](int p) {
     unprojectable[p] = eliminate_pose(*poses[p], unknowns, layout, options.robust_scale_sigma, equations[p]);
   });

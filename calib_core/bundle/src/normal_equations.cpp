@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 
+#include "view_data.hpp"
 #include "view_rows.hpp"
 
 namespace raybundle {
@@ -91,13 +92,13 @@ struct NormalEquations::Reduced {
 
 NormalEquations::NormalEquations(const CalibrationProblem& problem, const BundleState& state,
                                  const BundleOptions& options)
-    : layout_(estimated_blocks(problem, state, options)),
+    : workers_(options.threads),
+      layout_(estimated_blocks(problem, state, options)),
       robust_scale_sigma_(options.robust_scale_sigma),
-      views_(used_views(problem, state)),
+      views_(used_views(problem, state, workers_)),
       dots_(used_dots(problem, state)),
       beam_priors_(options.beam_priors),
-      refusals_(problem.views.size(), 0),
-      workers_(options.threads) {
+      refusals_(problem.views.size(), 0) {
   for (const ParameterBlock& block : layout_.blocks) prior_means_.push_back(prior_mean(problem, state, block));
   for (const ViewData& view : views_) {
     view_options_.push_back(

@@ -93,6 +93,7 @@ class NormalEquations {
   double add_priors(const Unknowns& unknowns, const std::vector<PriorResidual>& priors, BlockSystem& system) const;
   std::optional<Step> step_with_beams(const Unknowns& unknowns, const Linearization& at, double radius);
 
+  Workers workers_;
   Layout layout_;
   std::vector<PriorMean> prior_means_;  // of the layout's blocks
   double robust_scale_sigma_ = 0.0;
@@ -111,7 +112,6 @@ class NormalEquations {
   std::optional<Elimination<4, 6>> beams_first_;
 
   std::vector<int> refusals_;
-  Workers workers_;
 };
 
 }  // namespace raybundle

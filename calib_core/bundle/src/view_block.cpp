@@ -5,43 +5,60 @@
 #include <algorithm>
 #include <cmath>
 
+#include "view_data.hpp"
 #include "view_rows.hpp"
 
 namespace raybundle {
 
-std::vector<ViewData> used_views(const CalibrationProblem& problem, const BundleState& state) {
+namespace {
+
+// @param basis  of the view's target, as shape_basis()
+void gather(const CalibrationProblem& problem, const BundleState& state, const std::vector<Eigen::Vector3d>& basis,
+            ViewData& data) {
+  const TargetView& view = problem.views[data.view];
+  const std::vector<ObservationFate>& fates = state.fates[data.view];
+  const Target& target = problem.targets[view.target];
+  const auto used = std::ranges::count(fates, ObservationFate::kUsed);
+  data.camera = view.camera;
+  data.target = view.target;
+  data.pose = state.pose_of_view[data.view];
+  data.model = state.cameras[view.camera].model;
+  data.x_in_target.resize(used, 3);
+  data.nearness.resize(used);
+  data.shape_basis.resize(used, 3);
+  data.pixel.resize(used, 2);
+  data.inverse_sigma.resize(used);
+  Eigen::Index i = 0;
+  for (std::size_t k = 0; k < view.observations.size(); ++k) {
+    if (fates[k] != ObservationFate::kUsed) continue;
+    const Observation& observation = view.observations[k];
+    const TargetPoint* point = target.find(observation.point_id);
+    data.x_in_target.row(i) = point->x_in_target.transpose();
+    data.nearness[i] = point->infinitely_far ? 0.0 : 1.0;
+    data.shape_basis.row(i) = basis[point - target.points.data()].transpose();
+    data.pixel.row(i) = observation.pixel.transpose();
+    data.inverse_sigma[i++] = 1.0 / observation.sigma_px;
+  }
+}
+
+}  // namespace
+
+std::vector<ViewData> used_views(const CalibrationProblem& problem, const BundleState& state, Workers& workers) {
   std::vector<std::vector<Eigen::Vector3d>> bases;
   for (const Target& target : problem.targets) bases.push_back(shape_basis(target));
   std::vector<ViewData> views;
   for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
-    const TargetView& view = problem.views[v];
-    const auto used = std::ranges::count(state.fates[v], ObservationFate::kUsed);
-    if (state.pose_of_view[v] < 0 || used == 0) continue;
-    const Target& target = problem.targets[view.target];
-    ViewData data{.view = v,
-                  .camera = view.camera,
-                  .target = view.target,
-                  .pose = state.pose_of_view[v],
-                  .model = state.cameras[view.camera].model,
-                  .x_in_target = Eigen::MatrixX3d(used, 3),
-                  .nearness = Eigen::ArrayXd(used),
-                  .shape_basis = Eigen::MatrixX3d(used, 3),
-                  .pixel = Eigen::MatrixX2d(used, 2),
-                  .inverse_sigma = Eigen::ArrayXd(used)};
-    Eigen::Index i = 0;
-    for (std::size_t k = 0; k < view.observations.size(); ++k) {
-      if (state.fates[v][k] != ObservationFate::kUsed) continue;
-      const Observation& observation = view.observations[k];
-      const TargetPoint* point = target.find(observation.point_id);
-      data.x_in_target.row(i) = point->x_in_target.transpose();
-      data.nearness[i] = point->infinitely_far ? 0.0 : 1.0;
-      data.shape_basis.row(i) = bases[view.target][point - target.points.data()].transpose();
-      data.pixel.row(i) = observation.pixel.transpose();
-      data.inverse_sigma[i++] = 1.0 / observation.sigma_px;
-    }
-    views.push_back(std::move(data));
+    const bool any = std::ranges::find(state.fates[v], ObservationFate::kUsed) != state.fates[v].end();
+    if (state.pose_of_view[v] >= 0 && any) views.emplace_back().view = v;
   }
+  workers.for_each(static_cast<int>(views.size()),
+                   [&](int i) { gather(problem, state, bases[problem.views[views[i].view].target], views[i]); });
   return views;
+}
+
+std::vector<ViewData> used_views(const CalibrationProblem& problem, const BundleState& state) {
+  Workers alone(1);
+  return used_views(problem, state, alone);
 }
 
 bool linearize_view(const ViewData& view, const ViewPoint& point, const ViewBlockOptions& options, ViewBlock& block) {

@@ -9,6 +9,7 @@
 #include "lens_bundle.hpp"
 #include "linear_pose.hpp"
 #include "model_fit.hpp"
+#include "view_screen.hpp"
 
 namespace raybundle {
 namespace {
@@ -18,8 +19,9 @@ constexpr double kAlikePx = 0.5;      ///< mean distance of the projections of t
 constexpr double kFarTimes = 3.0;     ///< the linear prediction exceeds what is seen by this factor between twins ...
 constexpr double kFarPx = 0.3;        ///< ... and this much
 
-constexpr double kLargestRatio = 4.0;  ///< of the squared distances of a mirrored pose that may be meant
-constexpr double kHopeless = 30.0;     ///< the same, before the pose has settled
+constexpr double kLargestRatio = 4.0;   ///< of the squared distances of a mirrored pose that may be meant
+constexpr double kHopeless = 60.0;      ///< the same, before the pose has settled, ...
+constexpr std::size_t kFirstLook = 24;  ///< ... of some corners
 
 double sum_of_squares(const LensFunctions& lens, const LensVector& parameters, const PointsInView& view,
                       const Rigid3& pose) {
@@ -78,8 +80,10 @@ std::optional<MirroredPose> find_mirrored_pose(const Camera& camera, std::span<c
   options.scale_px = scale_px;
   std::vector<Rigid3> pose{mirrored_pose(camera_from_target, frame)};
   options.max_iterations = 4;  // most boards fit one of the two only, and are soon known to
-  refine_lens(lens, {view}, options, parameters, pose);
-  if (!(sum_of_squares(lens, parameters, view, pose[0]) < kHopeless * squares)) return std::nullopt;
+  const PointsInView some = thinned(view, kFirstLook);
+  refine_lens(lens, {some}, options, parameters, pose);
+  const double limit = kHopeless * sum_of_squares(lens, parameters, some, camera_from_target);
+  if (!(sum_of_squares(lens, parameters, some, pose[0]) < limit)) return std::nullopt;
   options.max_iterations = 20;
   refine_lens(lens, {view}, options, parameters, pose);
   const double ratio = sum_of_squares(lens, parameters, view, pose[0]) / squares;

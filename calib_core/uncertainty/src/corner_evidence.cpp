@@ -31,24 +31,24 @@ std::optional<CornerEvidence> corner_evidence(const CalibrationProblem& problem,
   bool any = false;
   for (const ViewData& view : used_views(problem, state)) {
     if (view.camera != camera) continue;
-    const Rigid3& camera_from_rig = state.camera_from_rig[camera];
     const BoardShape& shape = state.shapes[view.target];
     const ViewPoint point{lens.parameters.data(),
-                          camera_from_rig,
+                          state.camera_from_rig[camera],
                           state.poses[view.pose].rig_from_target,
                           {shape.bend_x_m, shape.bend_y_m, shape.twist_m}};
     if (!linearize_view(view, point, {}, block)) continue;
-    // The surroundings turn about the camera; camera_from_rig's own motion turns them about the rig's origin.
     const Eigen::Index rows = 2 * view.pixel.rows();
-    Eigen::Matrix<double, Eigen::Dynamic, 6> by_motion = block.wrt_camera_from_rig.topRows(rows);
-    by_motion.leftCols<3>() -= by_motion.rightCols<3>() * skew(camera_from_rig.translation);
-    fit.add(by_motion, block.wrt_intrinsics.topRows(rows));
+    fit.add(block.wrt_camera_from_rig.topRows(rows), block.wrt_intrinsics.topRows(rows));
     for (Eigen::Index i = 0; i < view.pixel.rows(); ++i) {
       if (const std::optional<int> cell = evidence.cell(lens.size, view.pixel.row(i))) ++evidence.corners[*cell];
     }
     any = true;
   }
   if (!any) return std::nullopt;
+  // The surroundings turn about the camera; camera_from_rig's own motion turns them about the rig's origin.
+  Eigen::Matrix<double, 6, 6> map = Eigen::Matrix<double, 6, 6>::Identity();
+  map.bottomLeftCorner<3, 3>() = -skew(state.camera_from_rig[camera].translation);
+  fit.change_motion(map);
   evidence.implied_motion = fit.undoing();
   return evidence;
 }

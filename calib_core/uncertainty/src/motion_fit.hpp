@@ -23,9 +23,16 @@ struct MotionFit {
   }
 
   /// The same of many pixels, two rows for each, by the roots of their weights.
-  void add(const Eigen::Matrix<double, Eigen::Dynamic, 6>& by_motion, const Eigen::MatrixXd& changes) {
-    normal += by_motion.transpose() * by_motion;
-    with_changes += by_motion.transpose() * changes;
+  template <typename Motion, typename Changes>
+  void add(const Eigen::MatrixBase<Motion>& by_motion, const Eigen::MatrixBase<Changes>& changes) {
+    normal.noalias() += by_motion.transpose() * by_motion;
+    with_changes.noalias() += by_motion.transpose() * changes;
+  }
+
+  /// The same fit for another motion, of which `map` makes the one that it was made for.
+  void change_motion(const Eigen::Matrix<double, 6, 6>& map) {
+    normal = map.transpose() * normal * map;
+    with_changes = map.transpose() * with_changes;
   }
 
   /// 6 × changes; directions that no pixel tells from standing still stay zero.
