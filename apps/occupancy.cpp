@@ -29,6 +29,7 @@ constexpr std::uint64_t kEvaluationSeed = 1000000000;
 
 struct Flags {
   std::string base, output, sensor = "structured-light", grid = "11x11", split = "both";
+  int scenes = 0;
   SimulatedLearning learning;
   LearnOptions learn;
   EvaluationOptions evaluation;
@@ -60,6 +61,7 @@ std::string bytes_of_file(const std::string& path) {
 
 void run_learn(Flags flags) {
   flags.learning.kind = kind_of(flags.sensor);
+  flags.learning.scenes = flags.scenes > 0 ? flags.scenes : learning_of(flags.learning.kind).scenes;
   flags.learning.grid = grid_of(flags.grid);
   if (flags.learning.seed + static_cast<std::uint64_t>(flags.learning.scenes) > kEvaluationSeed) {
     throw Error(ErrorKind::kBadInput, fmt::format("--seed and --scenes reach {}, from where on scenes are kept for "
@@ -70,11 +72,18 @@ void run_learn(Flags flags) {
   const CaseBase base = learn(simulated_cases(flags.learning), flags.learn);
   write_file_whole(flags.output, bytes_from_case_base(base));
   if (flags.json) {
-    fmt::print("{}\n", text_of_json(nlohmann::ordered_json{{"base", flags.output}, {"cases", base.classes.size()}}));
+    fmt::print("{}\n", text_of_json(nlohmann::ordered_json{{"base", flags.output},
+                                                           {"cases", base.classes.size()},
+                                                           {"sure_of_group", base.sure_of_group},
+                                                           {"sure_of_class", base.sure_of_situation}}));
     return;
   }
-  fmt::print("learnt from {} scenes; {} of them vote, attributes {}\nwrote {}\nnext  raybundle occupancy evaluate {}\n",
-             flags.learning.scenes, base.classes.size(), base.attribute_set, flags.output, flags.output);
+  fmt::print(
+      "learnt from {} scenes; {} of them vote, attributes {}\n"
+      "groups are told from {:.1f} % of the votes on, classes from {:.1f} %\nwrote {}\nnext  raybundle occupancy "
+      "evaluate {}\n",
+      flags.learning.scenes, base.classes.size(), base.attribute_set, 100 * base.sure_of_group,
+      100 * base.sure_of_situation, flags.output, flags.output);
 }
 
 void run_evaluate(Flags flags) {
@@ -187,9 +196,12 @@ void add_learn(CLI::App& verb) {
       ->check(CLI::IsMember({"structured-light", "stereo"}))
       ->capture_default_str();
   learn->add_option("--beams", flags->grid, "of the laser")->type_name("COLUMNSxROWS")->capture_default_str();
-  learn->add_option("--scenes", flags->learning.scenes, "simulated by the training generator")
-      ->check(CLI::Range(100, kMostScenes))
-      ->capture_default_str();
+  learn
+      ->add_option(
+          "--scenes", flags->scenes,
+          fmt::format("simulated by the training generator; {} of the laser or {} of stereo unless said",
+                      learning_of(SensorKind::kStructuredLight).scenes, learning_of(SensorKind::kStereo).scenes))
+      ->check(CLI::Range(100, kMostScenes));
   learn->add_option("--seed", flags->learning.seed, "of the first scene")->capture_default_str();
   learn->add_option("--other-cars", flags->learning.other_cars, "copies of each scene as if in another car")
       ->check(CLI::Range(0, 20))
@@ -239,7 +251,7 @@ void add_occupancy_verb(CLI::App& app) {
   add_evaluate(*verb);
   verb->footer(
       "Example:\n"
-      "  raybundle occupancy learn --scenes 4000 -o seats.rbcases\n"
+      "  raybundle occupancy learn --scenes 40000 --threads 4 -o seats.rbcases\n"
       "  raybundle occupancy evaluate seats.rbcases --scenes 3000\n"
       "  raybundle reconstruct structured-light out/calibration.json frames/*.png -o points\n"
       "  raybundle occupancy classify seats.rbcases points/*.json --vehicle vehicle.toml --page seats.html");

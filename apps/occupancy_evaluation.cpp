@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "each_index.hpp"
+#include "occupancy_chain.hpp"
 #include "raybundle/occupancy/seat_fit.hpp"
 
 namespace raybundle::apps {
@@ -53,7 +54,7 @@ SeatTrial seat_trial(const EvaluationOptions& options, std::uint64_t seed) {
           .within_sigmas = std::abs(off.x()) < 2 * seat.bight_sigma_m.x()};
 }
 
-NearestDots nearest_dots(const MeasuredScene& scene, const ZoneCount& told) {
+NearestDots nearest_dots(const MeasuredScene& scene, const ZoneCount& told, const ZoneOptions& zones) {
   constexpr double kBorder_m = 0.01;
   NearestDots dots;
   for (std::size_t i = 0; i < scene.true_points.size(); ++i) {
@@ -64,21 +65,21 @@ NearestDots nearest_dots(const MeasuredScene& scene, const ZoneCount& told) {
     if (measured == told.distance_m) dots.told_m = distance;
     const bool in_zones =
         x.z() > scene.layout.zone_floor_m + kBorder_m && std::abs(x.y()) < scene.layout.zone_half_width_m - kBorder_m;
-    if (in_zones && distance > kBorder_m) dots.nearest_m = std::min(dots.nearest_m, distance);
+    if (in_zones && distance > zones.dashboard_m + kBorder_m) dots.nearest_m = std::min(dots.nearest_m, distance);
   }
   return dots;
 }
 
-Trial trial(const CaseBase& base, const EvaluationOptions& options, std::uint64_t seed) {
+template <typename Source>
+Trial trial(const CaseBase& base, const EvaluationOptions& options, Source source) {
   Trial trial;
   std::optional<OccupancyMonitor> monitor;
-  const SceneSource source({options.kind, {options.generator, seed, {}, 0.0}, options.grid});
   for (int frame = 0; frame < options.frames; ++frame) {
     const MeasuredScene scene = source.at(frame * options.frame_s);
     if (!monitor) monitor.emplace(scene.layout, base, scene.rays, options.monitor);
     trial.answer = monitor->process(scene.scan());
     trial.truth = scene.truth;
-    trial.dots = nearest_dots(scene, trial.answer.zones);
+    trial.dots = nearest_dots(scene, trial.answer.zones, options.monitor.zones);
   }
   return trial;
 }
@@ -166,7 +167,8 @@ SeatEvaluation evaluate_seats(const EvaluationOptions& options) {
 Evaluation evaluate(const CaseBase& base, const EvaluationOptions& options) {
   std::vector<Trial> trials(static_cast<std::size_t>(options.scenes));
   for_each_index(trials.size(), options.threads, [&](std::size_t i) {
-    trials[i] = trial(base, options, options.seed + i);
+    const SceneRequest request{options.kind, {options.generator, options.seed + i, {}, 0.0}, options.grid};
+    trials[i] = options.chain ? trial(base, options, ChainSource(request)) : trial(base, options, SceneSource(request));
     if (options.scene_done) options.scene_done();
   });
   Evaluation sum;

@@ -77,6 +77,13 @@ class Waves {
 
 }  // namespace
 
+SimulatedLearning learning_of(SensorKind kind) {
+  SimulatedLearning learning;
+  learning.kind = kind;
+  if (kind == SensorKind::kStereo) learning.scenes = 24000;
+  return learning;
+}
+
 MeasuredScene as_in_another_car(MeasuredScene scene, const SimulatedLearning& how, std::uint64_t seed) {
   Random random(seed, 71);
   const auto change = [&](double most) { return random.uniform(-most, most); };

@@ -20,7 +20,7 @@ std::vector<std::string> cabin_groups();
 struct SimulatedLearning {
   SensorKind kind = SensorKind::kStructuredLight;
   LaserGrid grid{11, 11};
-  int scenes = 40000;
+  int scenes = 120000;
   std::uint64_t seed = 1;
   int most_voting = 16000;     ///< scenes that are not learnt from but vote, at most a quarter: see LabelledCases
   int other_cars = 1;          ///< of each scene, as another sensor sees it and as in another car: as_in_another_car()
@@ -32,6 +32,9 @@ struct SimulatedLearning {
   int threads = 1;
   std::function<void()> scene_done = {};  ///< called after each scene, from any thread
 };
+
+/// As many scenes as a sensor's points need, by what those cost.
+SimulatedLearning learning_of(SensorKind kind);
 
 /// The scene stretched, sheared, shifted and dented a little, together with the rays that measured it: another seat,
 /// another mounting, another person. Rays stay rays, so that what hides what remains true; planes that stand across

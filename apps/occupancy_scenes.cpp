@@ -40,14 +40,14 @@ void measure_stereo(const CabinRenderer& renderer, const CabinScene& scene, cons
   for (const CabinPoint& point : renderer.matched_points(scene, options)) add(point, measured);
 }
 
+}  // namespace
+
 CabinSensor sensor_of(const SceneRequest& request) {
   const CockpitRequest& cockpit = request.cockpit;
   return request.kind == SensorKind::kStructuredLight
              ? structured_light_sensor(cockpit.generator, cockpit.seed, request.grid)
              : stereo_sensor(cockpit.generator, cockpit.seed, request.stereo_size);
 }
-
-}  // namespace
 
 VehicleLayout vehicle_layout(const CabinLayout& layout) {
   return {.dashboard_x_m = layout.dashboard_x_m,

@@ -24,8 +24,9 @@ struct MeasuredScene {
   std::vector<CabinPart> parts;              ///< truth, aligned with points
   std::vector<Eigen::Vector3d> true_points;  ///< [m] in the vehicle frame, of dots, aligned with points; else none
   int rays = 0;
+  State state = State::kOk;  ///< of the sensor
 
-  Scan scan() const { return {viewpoint_in_vehicle, points, rays, State::kOk}; }
+  Scan scan() const { return {viewpoint_in_vehicle, points, rays, state}; }
 };
 
 /// Which scene, by which sensor. The same request gives the same bits.
@@ -35,6 +36,9 @@ struct SceneRequest {
   LaserGrid grid{11, 11};
   ImageSize stereo_size{128, 128};
 };
+
+/// The sensor that a request names.
+CabinSensor sensor_of(const SceneRequest& request);
 
 /// What the sensor measures: dots with the noise of their light and right labels, or pixels with the errors of a
 /// matcher, without its being run.

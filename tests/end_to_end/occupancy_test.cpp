@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "occupancy_learning.hpp"
 #include "occupancy_scenes.hpp"
 #include "program.hpp"
 
@@ -34,7 +35,8 @@ const std::string& learnt_base() {
     const fs::path folder = fs::temp_directory_path() / ("raybundle_occupancy_" + std::to_string(::getpid()));
     fs::create_directories(folder);
     const std::string base = (folder / "seats.rbcases").string();
-    const ProgramRun run = raybundle_program({"occupancy", "learn", "--scenes", "240", "-o", base});
+    const ProgramRun run =
+        raybundle_program({"occupancy", "learn", "--scenes", "1000", "--neighbours", "5", "-o", base});
     EXPECT_EQ(run.exit_code, 0) << run.err;
     return base;
   }();
@@ -73,6 +75,28 @@ TEST(Occupancy, EvaluatesBothSplitsTheSameOnAnyNumberOfThreads) {
     EXPECT_EQ(split["scenes"], 16);
     EXPECT_EQ(split["dangerous"]["trials"], 16);
   }
+}
+
+// In another car, the truth is that of the moved points: here one point lies where somebody is nearest.
+TEST(Occupancy, TheTruthFollowsIntoAnotherCar) {
+  apps::SimulatedLearning how;
+  how.car_lost = 0.0;
+  int other_class = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    apps::MeasuredScene scene = apps::measured_scene({apps::SensorKind::kStructuredLight,
+                                                      {CockpitGenerator::kTraining, seed, CabinClass::kPassenger, 0.0},
+                                                      {11, 11},
+                                                      {128, 128}});
+    if (!std::isfinite(scene.truth.dashboard_distance_m)) continue;
+    scene.points.push_back({0, scene.truth.nearest_place, 0.005});
+    scene.parts.push_back(CabinPart::kBody);
+    const apps::MeasuredScene other = apps::as_in_another_car(scene, how, seed);
+    const double distance_m = other.layout.dashboard_x_m - other.points.back().x_in_vehicle.x();
+    EXPECT_NEAR(other.truth.dashboard_distance_m, std::max(0.0, distance_m), 1e-12);
+    EXPECT_EQ(other.truth.seat_class == CabinClass::kOutOfPosition, distance_m < other.layout.out_of_position_m);
+    other_class += other.truth.seat_class != scene.truth.seat_class;
+  }
+  EXPECT_GT(other_class, 0);  // else nothing was shown
 }
 
 // What allows has to last three frames; an empty seat is never fired at.

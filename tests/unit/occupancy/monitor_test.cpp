@@ -137,6 +137,19 @@ TEST(Monitor, MotionSpeaksAgainstWhatIsInert) {
   EXPECT_NE(answer.situation, 0);
 }
 
+// Who is there changes rarely: one frame of another kind changes what is told only when nothing is remembered.
+TEST(Monitor, WhoIsThereIsSaidByTheFramesOfTheLastSecond) {
+  MonitorOptions forgetful;
+  forgetful.memory_frames = 1;
+  OccupancyMonitor monitor({}, shared_base(), kRays), other({}, shared_base(), kRays, forgetful);
+  const std::vector<ScenePoint> adult = scene(true, 0.2, 0.0, 908), empty = scene(false, 0.0, 0.0, 909);
+  EXPECT_EQ(after(monitor, adult, 9).group, 1);
+  EXPECT_EQ(after(monitor, empty, 1).group, 1);
+  EXPECT_EQ(after(monitor, empty, 9).group, 0);
+  EXPECT_EQ(after(other, adult, 9).group, 1);
+  EXPECT_NE(after(other, empty, 1).group, 1);
+}
+
 TEST(Monitor, TakesNoHeapAfterStartAndGivesTheSameBits) {
   OccupancyMonitor monitor({}, shared_base(), kRays), other({}, shared_base(), kRays);
   const std::vector<ScenePoint> points = scene(true, 0.2, 0.003, 907);
