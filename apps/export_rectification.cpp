@@ -6,12 +6,14 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/core/eigen.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "export.hpp"
 #include "output_folder.hpp"
+#include "page_text.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
 #include "raybundle/stereo/remap.hpp"
@@ -86,8 +88,11 @@ bool write(const ExportRequest& request, const Flags& flags) {
   const std::string text = yaml_of(pair, left_maps, right_maps);
   write_results(flags.folder, {{path, text}});
   if (request.json) {
-    fmt::print("{{\"wrote\": \"{}\", \"projection\": \"{}\", \"width\": {}, \"height\": {}}}\n", path.string(),
-               rectified_projection_name(pair.camera.projection), pair.camera.size.width, pair.camera.size.height);
+    const nlohmann::ordered_json result{{"file", path.string()},
+                                        {"projection", rectified_projection_name(pair.camera.projection)},
+                                        {"width", pair.camera.size.width},
+                                        {"height", pair.camera.size.height}};
+    fmt::print("{}\n", text_of_json(result, 2));
     return true;
   }
   fmt::print("{}\nwrote {}: R1, R2, {}and maps for cv::remap\n", rectification_text(pair), path.string(),

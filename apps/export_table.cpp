@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "export.hpp"
+#include "page_text.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/hash.hpp"
 #include "raybundle/scene/atomic_file.hpp"
@@ -51,7 +52,7 @@ void print_json(const SensorTable& table, const ExportRequest& request, const st
                                       {"ray_error_rad", table.rays.error_rad},
                                       {"self_tests", table.self_tests.size()},
                                       {"bytes", bytes.size()}};
-  fmt::print("{}\n", result.dump(2));
+  fmt::print("{}\n", text_of_json(result, 2));
 }
 
 bool run(const TableFlags& flags, const ExportRequest& request) {
