@@ -5,6 +5,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <atomic>
+#include <map>
+#include <utility>
 
 #include "view_data.hpp"
 #include "view_rows.hpp"
@@ -134,14 +136,19 @@ std::vector<int> NormalEquations::local_columns(const PoseViews& group, int came
 
 void NormalEquations::group_by_pose(std::size_t poses) {
   std::vector<int> group_of_pose(poses, -1);
+  std::map<std::pair<int, int>, std::vector<int>> columns;  // of the layout, by camera and target
   const auto group_with = [&](int pose, int camera, int target) -> PoseViews& {
     int& group = group_of_pose[pose];
     if (group < 0) {
       group = static_cast<int>(poses_.size());
       poses_.push_back({.pose = pose, .views = {}, .dots = {}, .columns = {}});
     }
-    std::ranges::copy_if(columns_of(camera, target), std::back_inserter(poses_[group].columns),
-                         [](int column) { return column >= 0; });
+    const auto [of_both, is_new] = columns.try_emplace({camera, target});
+    if (is_new) {
+      of_both->second = columns_of(camera, target);
+      std::erase(of_both->second, -1);
+    }
+    std::ranges::copy(of_both->second, std::back_inserter(poses_[group].columns));
     return poses_[group];
   };
   for (int v = 0; v < static_cast<int>(views_.size()); ++v) {
@@ -152,13 +159,14 @@ void NormalEquations::group_by_pose(std::size_t poses) {
   }
   local_columns_.resize(views_.size());
   dot_columns_.resize(dots_.size());
-  for (PoseViews& group : poses_) {
+  workers_.for_each(static_cast<int>(poses_.size()), [&](int p) {
+    PoseViews& group = poses_[p];
     std::ranges::sort(group.columns);
     group.columns.erase(std::ranges::unique(group.columns).begin(), group.columns.end());
     group.columns.shrink_to_fit();
     for (int v : group.views) local_columns_[v] = local_columns(group, views_[v].camera, views_[v].target);
     for (int v : group.dots) dot_columns_[v] = local_columns(group, dots_[v].camera, dots_[v].target);
-  }
+  });
 }
 
 bool NormalEquations::linearize(const Unknowns& unknowns, Linearization& result) {
