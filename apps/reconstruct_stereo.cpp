@@ -10,6 +10,7 @@
 #include <memory>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
+#include <optional>
 
 #include "image_files.hpp"
 #include "laser_frame_files.hpp"
@@ -17,6 +18,8 @@
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
 #include "reconstruct.hpp"
+#include "stereo_cabin.hpp"
+#include "stereo_exposure.hpp"
 #include "stereo_flags.hpp"
 #include "stereo_frame_files.hpp"
 #include "stereo_page.hpp"
@@ -29,7 +32,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Flags {
-  std::string calibration, left, right, output;
+  std::string calibration, left, right, output, vehicle;
+  std::vector<double> exposure;  // shutter [ms], gain
   StereoFlags stereo;
   bool json = false;
 };
@@ -43,6 +47,8 @@ class Reconstruction {
  public:
   explicit Reconstruction(const Flags& flags) : flags_(flags), setup_(stereo_setup(flags.calibration, flags.stereo)) {
     require_writable(flags.output);
+    if (!flags.vehicle.empty()) cabin_.emplace(read_stereo_cabin(flags.vehicle), setup_.matcher.rectification());
+    if (!flags.exposure.empty()) exposure_.emplace(setup_.left.camera.size, flags.exposure);
     for (const std::string& line : setup_.said) say(line);
     if (flags.json) return;
     fmt::print("{:<16} {:>8} {:>8} {:>9} {:>10}  {}\n", "frame", "points", "matched", "depth m", "sigma mm", "state");
@@ -53,7 +59,10 @@ class Reconstruction {
     require_size(left, setup_.left.camera.size, left_path);
     require_size(right, setup_.right.camera.size, right_path);
     const StereoFrame frame = setup_.matcher.process(view_of(left), view_of(right));
-    const StereoFrameFiles files = stereo_frame_files(frame, setup_.matcher, left_path, right_path);
+    nlohmann::ordered_json more = nlohmann::ordered_json::object();
+    if (cabin_) more["cabin"] = cabin_->take(frame);
+    if (exposure_) more["exposure"] = exposure_->advise(view_of(left));
+    const StereoFrameFiles files = stereo_frame_files(frame, setup_.matcher, left_path, right_path, more);
     const fs::path folder(flags_.output);
     write_results(folder, {{folder / (name + "_left.png"), files.left_png},
                            {folder / (name + "_right.png"), files.right_png},
@@ -61,7 +70,10 @@ class Reconstruction {
                            {folder / (name + "_depth.png"), files.depth_png},
                            {folder / (name + ".ply"), files.ply},
                            {folder / (name + ".json"), files.json}});
-    if (std::ssize(page_) < kMostPageFrames) page_.push_back(stereo_page_frame(name, frame));
+    if (std::ssize(page_) < kMostPageFrames) {
+      page_.push_back(stereo_page_frame(name, frame));
+      if (cabin_) page_.back().update({{"drawn", cabin_->drawn()}, {"cabin", cabin_->words()}});
+    }
     flags_.json ? static_cast<void>(fmt::print("{}", files.json)) : print_row(name, frame);
     std::fflush(stdout);
     if (frame.state != State::kOk) {
@@ -104,10 +116,13 @@ class Reconstruction {
                100.0 * summary.points / std::max(1, setup_.matcher.covered()),
                summary.points > 0 ? fmt::format("{:.3f}", summary.median_depth_m) : "-",
                summary.points > 0 ? fmt::format("{:.1f}", 1e3 * summary.median_sigma_m) : "-", state_name(frame.state));
+    if (cabin_) fmt::print("{:<16} {}\n", "", cabin_->words());
   }
 
   const Flags& flags_;
   StereoSetup setup_;
+  std::optional<CabinWatch> cabin_;
+  std::optional<ExposureAdvice> exposure_;
   nlohmann::json page_ = nlohmann::json::array();
   int taken_ = 0;
   int missed_ = 0;  // of the gate
@@ -190,6 +205,12 @@ void add_stereo_reconstruction(CLI::App& reconstruct) {
   verb->add_option("right", flags->right, "the same moments from the right")->required()->type_name("RIGHT");
   verb->add_option("-o,--output", flags->output, "folder to write")->type_name("DIR")->required();
   declare_stereo_flags(*verb, flags->stereo);
+  verb->add_option("--vehicle", flags->vehicle,
+                   "where the pair is in a car: tells seat and head (docs/formats/stereo.md)")
+      ->type_name("TOML");
+  verb->add_option("--exposure", flags->exposure, "shutter [ms] and gain of the images: advises what they should be")
+      ->expected(2)
+      ->check(CLI::PositiveNumber);
   verb->add_flag("--json", flags->json, "print the results as JSON, one after the other");
   verb->footer(
       "Images of a moment have the same number in their names. What is written: docs/formats/stereo.md\n"

@@ -86,7 +86,7 @@ nlohmann::ordered_json rectification_json(const Rectification& pair) {
 }  // namespace
 
 StereoFrameFiles stereo_frame_files(const StereoFrame& frame, const StereoMatcher& matcher, const std::string& left,
-                                    const std::string& right) {
+                                    const std::string& right, const nlohmann::ordered_json& more) {
   const RectifiedProjection projection = matcher.rectification().camera.projection;
   std::vector<double> depths, sigmas;
   std::array<int, kMatchKinds> kinds{};
@@ -115,6 +115,7 @@ StereoFrameFiles stereo_frame_files(const StereoFrame& frame, const StereoMatche
   }
   json["calibration_sigma_px"] = matcher.calibration_sigma_px();
   json["rectification"] = rectification_json(matcher.rectification());
+  json.update(more);
   return {png_from(frame.left),
           png_from(frame.right),
           png_of_values(frame, [&](int u, int v) { return 256.0 * frame.disparity.disparity_px.at(u, v); }),

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "raybundle/stereo/stereo.hpp"
@@ -20,6 +21,6 @@ struct StereoFrameFiles {
 
 /// @param left, right  the paths, for the record
 StereoFrameFiles stereo_frame_files(const StereoFrame& frame, const StereoMatcher& matcher, const std::string& left,
-                                    const std::string& right);
+                                    const std::string& right, const nlohmann::ordered_json& more);
 
 }  // namespace raybundle::apps

@@ -38,7 +38,7 @@ nav { display: flex; gap: .7rem; align-items: center; margin: .7rem 0; } input {
 <main>
 <figure><img id="left" alt="left rectified image"><figcaption>Left image, rectified.</figcaption></figure>
 <figure><img id="disparity" alt="disparities"><figcaption>Disparities: near is red, far is blue, black has no match.</figcaption></figure>
-<figure><canvas id="space" tabindex="0"></canvas><figcaption>Points, coloured by depth; drag or use the arrow keys to turn, the wheel to come near.</figcaption></figure>
+<figure><canvas id="space" tabindex="0"></canvas><figcaption>Points, coloured by depth; drag or use the arrow keys to turn, the wheel to come near. In a car: safety zones red and orange, boxes of the seat blue, head white.</figcaption></figure>
 </main>
 <script type="application/json" id="data">)";
 
@@ -65,13 +65,28 @@ const draw = () => {
     context.fillStyle = `hsl(${240 * far / (1 + far)} 90% ${30 + grey / 6}%)`;
     context.fillRect(u, v, size, size);
   }
+  const place = (x, y, z) => {
+    [x, y, z] = [x - middle[0], y - middle[1], z - middle[2]];
+    const a = cy * x + sy * z, b = cy * z - sy * x, depth = cp * b - sp * y + eye;
+    return depth > 0.05 * eye ? [w / 2 + scale * a / depth, h / 2 + scale * (cp * y + sp * b) / depth] : null;
+  };
+  context.lineWidth = Math.max(1, w / 500);
+  for (const {colour, lines} of frame.drawn || []) {
+    context.strokeStyle = colour;
+    context.beginPath();
+    for (let i = 0; i < lines.length; i += 6) {
+      const from = place(...lines.slice(i, i + 3)), to = place(...lines.slice(i + 3, i + 6));
+      if (from && to) { context.moveTo(...from); context.lineTo(...to); }
+    }
+    context.stroke();
+  }
 };
 const show = () => {
   const frame = frames[which.value], state = part('state');
   part('left').src = 'data:image/jpeg;base64,' + frame.left;
   part('disparity').src = 'data:image/png;base64,' + frame.disparity;
   state.textContent = frame.state; state.className = 'state ' + frame.state;
-  part('words').textContent = `${frame.name}: ${frame.matched} matches (${+which.value + 1} of ${frames.length})`;
+  part('words').textContent = `${frame.name}: ${frame.matched} matches (${+which.value + 1} of ${frames.length})` + (frame.cabin ? ', ' + frame.cabin : '');
   draw();
 };
 const step = by => { which.value = (+which.value + by + frames.length) % frames.length; show(); };

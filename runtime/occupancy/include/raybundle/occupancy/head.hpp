@@ -12,16 +12,16 @@ namespace raybundle {
 
 /// What heads are like, and what is believed to be one. Sizes follow ISO 7250: adults of both sexes and schoolchildren.
 struct HeadOptions {
-  Eigen::Vector3d semi_axes_m = {0.092, 0.075, 0.110};  ///< to the face, to the ear, to the crown
+  Eigen::Vector3d semi_axes_m = {0.094, 0.077, 0.112};  ///< to the face, to the ear, to the crown
   double size_sigma = 0.05;                             ///< standard deviation of a factor of all axes
   double turn_sigma_rad = 0.7;                          ///< of heads about the vertical, against looking ahead
   double nod_rad = 0.15;                                ///< commonly, the face down
   double nod_sigma_rad = 0.4;
-  double hair_m = 0.005;             ///< head and hair are centred so far behind the head
+  double hair_m = 0.004;             ///< head and hair are centred so far behind the head
   double hair_sigma_m = 0.006;       ///< of the centre: how hair lies is not known
   double shape_sigma_m = 0.006;      ///< of faces and hair from the ellipsoid
   double alike_points = 16.0;        ///< so many points err alike, as neighbouring pixels of a matcher do
-  double edge_growth_rad = 0.012;    ///< angle by which a matcher's windows make near things larger
+  double edge_growth_rad = 0.010;    ///< angle by which a matcher's windows make near things larger
   double least_from_bight_m = 0.48;  ///< a head is so far from where cushion and back meet,
   double least_above_cushion_m = 0.30;
   double least_before_back_m = 0.10;  ///< headrests are nearer

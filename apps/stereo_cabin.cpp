@@ -1,0 +1,246 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "stereo_cabin.hpp"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/occupancy/seat_boxes.hpp"
+#include "raybundle/scene/csv.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kMostPoints = 20000;      // of a scan: more cost time and tell no more of things as large as heads
+constexpr double kEdgeGrowth_px = 0.8;  // HeadOptions::edge_growth_rad, whatever the size of the image
+constexpr double kDegree = M_PI / 180.0;
+
+Json list(const Eigen::Vector3d& x) { return {x.x(), x.y(), x.z()}; }
+
+// A section of the file; what is left over in it is unknown.
+class Section {
+ public:
+  Section(const toml::table& file, const char* name, const std::string& path) : name_(name), path_(path) {
+    const toml::table* table = file[name].as_table();
+    if (table == nullptr) throw Error(ErrorKind::kBadInput, fmt::format("has no section [{}]; add it", name), path);
+    left_ = *table;
+  }
+
+  void read(const char* key, double& value) {
+    const auto number = left_[key].value<double>();
+    if (!number || !std::isfinite(*number)) fail(key, "a number");
+    value = *number;
+    left_.erase(key);
+  }
+
+  void read_if_there(const char* key, double& value) {
+    if (left_.contains(key)) read(key, value);
+  }
+
+  template <std::size_t kSize>
+  std::array<double, kSize> numbers(const char* key) {
+    const toml::array* array = left_[key].as_array();
+    if (array == nullptr || array->size() != kSize) fail(key, fmt::format("a list of {} numbers", kSize));
+    std::array<double, kSize> values{};
+    for (std::size_t i = 0; i < kSize; ++i) {
+      const auto number = array->get(i)->value<double>();
+      if (!number || !std::isfinite(*number)) fail(key, fmt::format("a list of {} numbers", kSize));
+      values[i] = *number;
+    }
+    left_.erase(key);
+    return values;
+  }
+
+  void expect_no_more() const {
+    if (left_.empty()) return;
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("[{}] has an unknown key '{}'; remove it", name_, left_.begin()->first.str()), path_);
+  }
+
+ private:
+  [[noreturn]] void fail(const char* key, const std::string& wanted) const {
+    throw Error(ErrorKind::kBadInput, fmt::format("[{}] needs {} = {}", name_, key, wanted), path_);
+  }
+
+  std::string name_, path_;
+  toml::table left_;
+};
+
+VehicleLayout layout_of(Section section) {
+  VehicleLayout layout;
+  section.read("dashboard_x_m", layout.dashboard_x_m);
+  section.read("dashboard_top_m", layout.dashboard_top_m);
+  section.read("zone_floor_m", layout.zone_floor_m);
+  section.read("zone_half_width_m", layout.zone_half_width_m);
+  section.read("critical_m", layout.critical_m);
+  section.read("out_of_position_m", layout.out_of_position_m);
+  section.read_if_there("track_m", layout.track_m);
+  section.read_if_there("lift_m", layout.lift_m);
+  section.read_if_there("least_recline_rad", layout.least_recline_rad);
+  section.read_if_there("most_recline_rad", layout.most_recline_rad);
+  section.read_if_there("roof_m", layout.roof_m);
+  section.expect_no_more();
+  return layout;
+}
+
+// The twelve edges of a box, each from corner to corner.
+std::vector<Eigen::Vector3d> edges_of(const Box& box) {
+  const double c = std::cos(box.pitch_rad), s = std::sin(box.pitch_rad);
+  const auto corner = [&](int i) -> Eigen::Vector3d {
+    const Eigen::Vector3d x((i & 1 ? box.high : box.low).x(), (i & 2 ? box.high : box.low).y(),
+                            (i & 4 ? box.high : box.low).z());
+    return box.origin + Eigen::Vector3d(c * x.x() - s * x.z(), x.y(), s * x.x() + c * x.z());
+  };
+  std::vector<Eigen::Vector3d> edges;
+  for (int i = 0; i < 8; ++i) {
+    for (const int bit : {1, 2, 4}) {
+      if ((i & bit) == 0) edges.insert(edges.end(), {corner(i), corner(i | bit)});
+    }
+  }
+  return edges;
+}
+
+// Three circles about the axes of the vehicle; the head's own turn hardly shows.
+std::vector<Eigen::Vector3d> circles_of(const Head& head) {
+  constexpr int kSteps = 24;
+  std::vector<Eigen::Vector3d> lines;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int i = 0; i < kSteps; ++i) {
+      for (const int end : {i, i + 1}) {
+        Eigen::Vector3d place = Eigen::Vector3d::Zero();
+        place[(axis + 1) % 3] = std::cos(2 * M_PI * end / kSteps);
+        place[(axis + 2) % 3] = std::sin(2 * M_PI * end / kSteps);
+        lines.emplace_back(head.centre + place.cwiseProduct(head.semi_axes_m));
+      }
+    }
+  }
+  return lines;
+}
+
+}  // namespace
+
+StereoCabin read_stereo_cabin(const std::string& path) {
+  toml::table file;
+  try {
+    file = toml::parse(text_of_file(path), path);
+  } catch (const toml::parse_error& error) {
+    throw Error(ErrorKind::kBadInput, fmt::format("is not TOML: {}", error.description()),
+                fmt::format("{}:{}", path, error.source().begin.line));
+  }
+  StereoCabin cabin{layout_of({file, "vehicle", path}), {}};
+  Section section(file, "stereo", path);
+  const auto q = section.numbers<4>("rotation_xyzw");
+  const auto t = section.numbers<3>("translation_m");
+  section.expect_no_more();
+  cabin.vehicle_from_rig = {Eigen::Quaterniond(q[3], q[0], q[1], q[2]), Eigen::Vector3d(t.data())};
+  if (std::abs(cabin.vehicle_from_rig.rotation.norm() - 1.0) > 1e-6) {
+    throw Error(ErrorKind::kBadInput, "[stereo] rotation_xyzw has no unit length; give six digits and more", path);
+  }
+  cabin.vehicle_from_rig.rotation.normalize();
+  return cabin;
+}
+
+CabinWatch::CabinWatch(const StereoCabin& cabin, const Rectification& pair)
+    : cabin_(cabin), vehicle_from_rectified_(cabin.vehicle_from_rig * pair.rig_from_rectified) {
+  options_.edge_growth_rad = kEdgeGrowth_px / pair.camera.focal_px;
+}
+
+Scan CabinWatch::scan_of(const StereoFrame& frame) {
+  points_.clear();
+  const int matched = std::max(1, frame.disparity.matched);
+  const int step = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(matched) / kMostPoints)));
+  const int columns = frame.points.width / step, rows = frame.points.height / step;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const StereoPoint& point = frame.points.at(column * step, row * step);
+      if (point.sigma_m == 0.0F) continue;
+      points_.push_back({row * columns + column,
+                         vehicle_from_rectified_ * Eigen::Vector3d(point.x_m, point.y_m, point.z_m), point.sigma_m});
+    }
+  }
+  return {vehicle_from_rectified_.translation, points_, rows * columns, frame.state};
+}
+
+SeatPose CabinWatch::known_seat() const { return watch_.frames() > 0 ? watch_.seat().pose : SeatPose{}; }
+
+double CabinWatch::chin_m() const {
+  constexpr double kChin_m = 0.50, kLeast_m = 0.20;
+  if (!head_.found) return kChin_m;
+  const SeatPose seat = known_seat();
+  const Eigen::Vector2d from_bight = Eigen::Vector2d(head_.centre.x(), head_.centre.z()) - seat.bight;
+  return std::max(kLeast_m, from_bight.dot(seat.back_up()) - head_.semi_axes_m.z());
+}
+
+Json CabinWatch::take(const StereoFrame& frame) {
+  const Scan scan = scan_of(frame);
+  watch_.add(fit_seat(cabin_.layout, scan));
+  head_ = find_head(cabin_.layout, known_seat(), scan, options_);
+  Json json{{"seat", nullptr}, {"head", nullptr}};
+  if (watch_.frames() > 0) {
+    const SeatFit seat = watch_.seat();
+    json["seat"] = {{"bight_m", {seat.pose.bight.x(), seat.pose.bight.y()}},
+                    {"bight_sigma_m", {seat.bight_sigma_m.x(), seat.bight_sigma_m.y()}},
+                    {"recline_deg", seat.pose.recline_rad / kDegree},
+                    {"recline_sigma_deg", seat.recline_sigma_rad / kDegree},
+                    {"cushion_pitch_deg", seat.pose.cushion_pitch_rad / kDegree},
+                    {"frames", watch_.frames()},
+                    {"frames_since_seen", watch_.frames_since_seen()}};
+  }
+  if (head_.found) {
+    json["head"] = {{"centre_m", list(head_.centre)},
+                    {"sigma_m", list(head_.covariance_m2.diagonal().cwiseSqrt())},
+                    {"semi_axes_m", list(head_.semi_axes_m)},
+                    {"to_dashboard_m", cabin_.layout.dashboard_x_m - head_.centre.x()},
+                    {"points", head_.points}};
+  }
+  const auto boxes = seat_boxes(known_seat(), chin_m());
+  for (int i = 0; i < kSeatPlaces; ++i) {
+    const BoxCount count = count_rays(boxes[static_cast<std::size_t>(i)], scan);
+    json["boxes"][std::string(kSeatPlaceNames[static_cast<std::size_t>(i)])] = {
+        {"hits", count.hits}, {"passed", count.passed}, {"blocked", count.blocked}};
+  }
+  return json;
+}
+
+nlohmann::json CabinWatch::drawn() const {
+  const Rigid3 rectified_from_vehicle = vehicle_from_rectified_.inverse();
+  nlohmann::json all = nlohmann::json::array();
+  const auto draw = [&](const char* colour, const std::vector<Eigen::Vector3d>& lines) {
+    nlohmann::json places = nlohmann::json::array();
+    for (const Eigen::Vector3d& end : lines) {
+      const Eigen::Vector3d x = rectified_from_vehicle * end;
+      for (const double value : {x.x(), x.y(), x.z()}) places.push_back(std::round(1e3 * value) / 1e3);
+    }
+    all.push_back({{"colour", colour}, {"lines", places}});
+  };
+  const VehicleLayout& car = cabin_.layout;
+  const double half = car.zone_half_width_m, top = car.dashboard_top_m + 0.15, near = car.dashboard_x_m;
+  const auto zone = [&](double from, double to) {
+    return edges_of({.low = {near - to, -half, car.zone_floor_m}, .high = {near - from, half, top}});
+  };
+  draw("#e22", zone(0.0, car.critical_m));
+  draw("#f90", zone(car.critical_m, car.out_of_position_m));
+  if (watch_.frames() > 0) {
+    for (const Box& box : seat_boxes(known_seat(), chin_m())) draw("#6cf", edges_of(box));
+  }
+  if (head_.found) draw("#fff", circles_of(head_));
+  return all;
+}
+
+std::string CabinWatch::words() const {
+  const std::string seat = watch_.frames() == 0             ? "seat not seen"
+                           : watch_.frames_since_seen() > 0 ? "seat hidden"
+                                                            : "seat seen";
+  if (!head_.found) return seat + ", no head";
+  return fmt::format("{}, head {:.3f} ± {:.3f} m from the dashboard", seat,
+                     cabin_.layout.dashboard_x_m - head_.centre.x(), std::sqrt(head_.covariance_m2(0, 0)));
+}
+
+}  // namespace raybundle::apps
