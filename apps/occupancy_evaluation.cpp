@@ -135,6 +135,7 @@ MonitorOptions monitor_options_of(SensorKind kind) {
     options.zones.margin_m = 0.10;  // people reach on between the dots
   } else {
     options.zones.least_points = 6;
+    options.moving = 0.10;  // wrong matches and rims alone move 7 % of the points of things at rest
     options.zones.margin_m = 0.03;
   }
   return options;

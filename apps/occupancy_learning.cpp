@@ -140,7 +140,8 @@ LabelledCases simulated_cases(const SimulatedLearning& how) {
                       .attributes = Eigen::MatrixXd(set.size, static_cast<Eigen::Index>(cases_count)),
                       .classes = std::vector<std::uint8_t>(cases_count),
                       .actions = std::vector<AirbagAction>(cases_count),
-                      .voting = voting};
+                      .voting = voting,
+                      .judging = (voting + 1) / 2};
   const auto add = [&](std::size_t n, const MeasuredScene& seen) {
     cases.attributes.col(static_cast<Eigen::Index>(n)) = set.attributes(seen.layout, SeatPose{}, seen.scan());
     cases.classes[n] = static_cast<std::uint8_t>(seen.truth.seat_class);
@@ -159,7 +160,9 @@ LabelledCases simulated_cases(const SimulatedLearning& how) {
     if (i < first_voting) {
       for (std::size_t car = 0; car < all; ++car) add(i * all + car, seen_in_car(car));
     } else {
-      add(first_voting * all + i - first_voting, seen_in_car(i % all));
+      const std::size_t vote = i - first_voting;
+      const bool judges = vote + cases.judging >= static_cast<std::size_t>(voting);
+      add(first_voting * all + vote, seen_in_car(judges ? 0 : i % all));
     }
     if (how.scene_done) how.scene_done();
   });

@@ -26,8 +26,9 @@ void check(const LabelledCases& cases, const LearnOptions& options) {
       cases.situations.size() > kMostClasses) {
     throw Error(ErrorKind::kBadInput, "attributes and classes of the cases to learn differ in number");
   }
-  if (cases.voting < 0 || cases.voting >= static_cast<int>(cases.classes.size())) {
-    throw Error(ErrorKind::kBadInput, "of the cases to learn, none are left beside those that vote");
+  if (cases.voting < 0 || cases.voting >= static_cast<int>(cases.classes.size()) || cases.judging < 0 ||
+      cases.judging > voting_of(cases)) {
+    throw Error(ErrorKind::kBadInput, "more of the cases to learn vote or judge than there are");
   }
   if (!cases.attributes.allFinite()) throw Error(ErrorKind::kBadInput, "an attribute to learn is not finite");
   for (std::size_t c = 0; c < cases.situations.size(); ++c) {
@@ -105,11 +106,11 @@ double least_sure(std::vector<Told> answers, double wanted) {
   return least;
 }
 
-// Votes that must be had before groups and classes are told, by what the voting cases say of each other.
-void set_sureness(CaseBase& base, const LearnOptions& options) {
-  const Eigen::Index cases = base.spaces.front().cases.cols(), step = 1 + (cases - 1) / kAsked;
+// Votes that must be had before groups and classes are told, by what the voting cases say of the last of them.
+void set_sureness(CaseBase& base, Eigen::Index judging, const LearnOptions& options) {
+  const Eigen::Index cases = base.spaces.front().cases.cols(), step = 1 + (judging - 1) / kAsked;
   std::vector<Told> groups, situations;
-  for (Eigen::Index n = 0; n < cases; n += step) {
+  for (Eigen::Index n = cases - judging; n < cases; n += step) {
     const CaseVerdict verdict = classify_left_out(base, static_cast<int>(n));
     if (!verdict.known) continue;
     situations.push_back(told(verdict.votes, base.classes[n]));
@@ -151,7 +152,7 @@ CaseBase learn(const LabelledCases& cases, const LearnOptions& options) {
     for (int t = 1; t < options.threads; ++t) workers.emplace_back(search_spaces);
     search_spaces();
   }
-  set_sureness(base, options);
+  set_sureness(base, cases.judging > 0 ? cases.judging : voting, options);
   base.check();
   return base;
 }

@@ -22,6 +22,7 @@ struct LabelledCases {
   /// The last so many vote, and spaces are learnt from the others: cases that were learnt from lie nearer to their kind
   /// than new ones do, and vote too surely. They must be of other scenes. 0: all are learnt from and vote.
   int voting = 0;
+  int judging = 0;  ///< the last so many of those set from which votes on an answer is told; 0: all of them
 };
 
 struct LearnOptions {
@@ -38,11 +39,11 @@ struct LearnOptions {
 };
 
 /// Makes a base of cases: spaces in which neighbours are of one class and of one right action, and the places of the
-/// voting cases in them. What must be sure of is set by what the voting cases say of each other: the least votes whose
-/// answers are right with the wanted share at 95 % confidence. Not for the device: it uses the heap.
+/// voting cases in them. From which votes on an answer is told is set by what they say of each other: the least votes
+/// whose answers are right with the wanted share at 95 % confidence. Not for the device: it uses the heap.
 ///
-/// @throws Error(kNotEnoughData) when a class has fewer voting cases than neighbours; Error(kBadInput) when sizes
-/// differ Source: embedding_search.hpp
+/// @throws Error(kNotEnoughData) when a class has too few voting cases; Error(kBadInput) when sizes differ
+/// Source: embedding_search.hpp
 CaseBase learn(const LabelledCases& cases, const LearnOptions& options = {});
 
 }  // namespace raybundle
