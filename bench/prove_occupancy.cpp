@@ -86,6 +86,9 @@ bool judge(SensorKind kind, const Evaluation& e, const Split& split) {
       "(95 %%)\n",
       100 * e.rejected_group.value(), 100 * e.rejected_class.value(), 100 * e.rejected_action.value(),
       100 * e.dangerous.high());
+  const auto& fire = e.actions[static_cast<std::size_t>(CabinDecision::kFire)];
+  std::printf("  information: of %d scenes to fire in: fire %d, depowered %d, no fire %d, undecided %d\n",
+              fire[0] + fire[1] + fire[2] + fire[3], fire[0], fire[1], fire[2], fire[3]);
   if (!e.nearest_errors_m.empty()) {
     const auto at = [&](double share) {
       return 1e3 * std::abs(e.nearest_errors_m[static_cast<std::size_t>(

@@ -58,6 +58,9 @@ TEST_P(EveryScene, IsOfTheClassThatWasAskedForAndItsLabelsAgree) {
     ASSERT_EQ(truth.seat_class, wanted());
     EXPECT_EQ(truth.group, group_of(wanted()));
     EXPECT_EQ(truth.decision, decision_of(wanted(), truth.dashboard_distance_m, cockpit.layout));
+    if (std::isfinite(truth.dashboard_distance_m)) {
+      EXPECT_EQ(truth.dashboard_distance_m, std::max(0.0, cockpit.layout.dashboard_x_m - truth.nearest_place.x()));
+    }
     const bool someone = wanted() == CabinClass::kPassenger || wanted() == CabinClass::kOutOfPosition ||
                          wanted() == CabinClass::kChildInBooster;
     if (someone) {
