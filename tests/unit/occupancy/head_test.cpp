@@ -62,7 +62,7 @@ Head found_in(const std::vector<Shape>& shapes, double sigma_m) {
 }
 
 const Shape kBody{{-0.05, 0.0, 0.22}, {0.13, 0.20, 0.28}};
-constexpr double kHair_m = 0.005;  // the centre that is told lies so far before that of head and hair
+const double kHair_m = HeadOptions{}.hair_m;  // the centre that is told lies so far before that of head and hair
 
 Shape head_at(const Eigen::Vector3d& centre, double turn_rad, double size = 1.0) {
   const Eigen::Vector3d ahead(std::cos(turn_rad), std::sin(turn_rad), 0.0);

@@ -27,8 +27,8 @@ struct HeadOptions {
   double least_before_back_m = 0.10;  ///< headrests are nearer
   int least_points = 60;
   double least_filled = 0.80;
-  double least_clear = 0.60;
-  double most_size = 1.20;  ///< of the factor
+  double least_clear = 0.65;
+  double most_size = 1.15;  ///< of the factor
 };
 
 /// A head that was found.
