@@ -8,16 +8,18 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 #include <optional>
+#include <span>
+#include <utility>
 
 #include "image_files.hpp"
 #include "laser_frame_files.hpp"
+#include "laser_images.hpp"
 #include "output_folder.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
 #include "reconstruct.hpp"
+#include "stereo_anchors.hpp"
 #include "stereo_cabin.hpp"
 #include "stereo_exposure.hpp"
 #include "stereo_flags.hpp"
@@ -32,37 +34,57 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Flags {
-  std::string calibration, left, right, output, vehicle;
+  std::string calibration, left, right, output, vehicle, laser;
   std::vector<double> exposure;  // shutter [ms], gain
   StereoFlags stereo;
   bool json = false;
 };
 
-GreyView view_of(const cv::Mat& grey) {
-  return {grey.data, grey.cols, grey.rows, static_cast<std::ptrdiff_t>(grey.step[0])};
+// The files of one moment.
+struct Moment {
+  std::string name, left, right;
+  std::string lit;  // the left camera with the laser on; empty: none
+};
+
+cv::Mat image_at(const std::string& path) {
+  std::string reason;
+  const cv::Mat image = read_gray(path, reason);
+  if (image.empty()) throw Error(ErrorKind::kIo, reason, path);
+  if (image.depth() == CV_8U) return image;
+  cv::Mat bytes;
+  image.convertTo(bytes, CV_8U, 1.0 / 256.0);
+  return bytes;
 }
 
 /// Takes pairs one after the other and writes what they say.
 class Reconstruction {
  public:
-  explicit Reconstruction(const Flags& flags) : flags_(flags), setup_(stereo_setup(flags.calibration, flags.stereo)) {
+  explicit Reconstruction(const Flags& flags)
+      : flags_(flags), setup_(stereo_setup(flags.calibration, flags.stereo, !flags.laser.empty())) {
     require_writable(flags.output);
     if (!flags.vehicle.empty()) cabin_.emplace(read_stereo_cabin(flags.vehicle), setup_.matcher.rectification());
     if (!flags.exposure.empty()) exposure_.emplace(setup_.left.camera.size, flags.exposure);
+    if (!flags.laser.empty()) anchors_.emplace(flags.calibration, setup_.left, setup_.matcher.rectification());
     for (const std::string& line : setup_.said) say(line);
     if (flags.json) return;
     fmt::print("{:<16} {:>8} {:>8} {:>9} {:>10}  {}\n", "frame", "points", "matched", "depth m", "sigma mm", "state");
   }
 
-  void take(const std::string& name, const cv::Mat& left, const cv::Mat& right, const std::string& left_path,
-            const std::string& right_path) {
-    require_size(left, setup_.left.camera.size, left_path);
-    require_size(right, setup_.right.camera.size, right_path);
-    const StereoFrame frame = setup_.matcher.process(view_of(left), view_of(right));
+  void take(const Moment& moment, const cv::Mat& left, const cv::Mat& right) {
+    const std::string& name = moment.name;
+    require_size(left, setup_.left.camera.size, moment.left);
+    require_size(right, setup_.right.camera.size, moment.right);
+    const StereoFrame frame = setup_.matcher.process(view_of(left), view_of(right), anchors_of(moment, left));
     nlohmann::ordered_json more = nlohmann::ordered_json::object();
     if (cabin_) more["cabin"] = cabin_->take(frame);
     if (exposure_) more["exposure"] = exposure_->advise(view_of(left));
-    const StereoFrameFiles files = stereo_frame_files(frame, setup_.matcher, left_path, right_path, more);
+    if (anchors_) {
+      more["laser"] = {{"image", moment.lit},
+                       {"dots", anchors_of_last_},
+                       {"filled", frame.fused.filled},
+                       {"contradicted", frame.fused.contradicted}};
+    }
+    const StereoFrameFiles files = stereo_frame_files(frame, setup_.matcher, moment.left, moment.right, more);
     const fs::path folder(flags_.output);
     write_results(folder, {{folder / (name + "_left.png"), files.left_png},
                            {folder / (name + "_right.png"), files.right_png},
@@ -101,6 +123,20 @@ class Reconstruction {
   }
 
  private:
+  std::span<const AnchorDot> anchors_of(const Moment& moment, const cv::Mat& left) {
+    if (!anchors_) return {};
+    if (moment.lit.empty()) {
+      throw Error(ErrorKind::kBadInput,
+                  "there is no image with the laser on for this one; add it, or leave --laser out", moment.left);
+    }
+    const bool itself = moment.lit == moment.left;
+    const cv::Mat lit = itself ? left : image_at(moment.lit);
+    require_size(lit, setup_.left.camera.size, moment.lit);
+    const std::span<const AnchorDot> dots = anchors_->take(lit, itself ? cv::Mat() : left);
+    anchors_of_last_ = dots.size();
+    return dots;
+  }
+
   static void require_size(const cv::Mat& image, ImageSize size, const std::string& path) {
     if (image.cols == size.width && image.rows == size.height) return;
     throw Error(
@@ -122,6 +158,8 @@ class Reconstruction {
   const Flags& flags_;
   StereoSetup setup_;
   std::optional<CabinWatch> cabin_;
+  std::optional<LaserAnchors> anchors_;
+  std::size_t anchors_of_last_ = 0;  // dots of the last frame
   std::optional<ExposureAdvice> exposure_;
   nlohmann::json page_ = nlohmann::json::array();
   int taken_ = 0;
@@ -132,65 +170,63 @@ std::vector<ImageFile> files_of(int camera, const std::string& pattern) {
   return fs::is_directory(pattern) ? image_files(camera, pattern, {"*"}) : image_files(camera, "", {pattern});
 }
 
-cv::Mat image_at(const std::string& path) {
-  std::string reason;
-  const cv::Mat image = read_gray(path, reason);
-  if (image.empty()) throw Error(ErrorKind::kIo, reason, path);
-  if (image.depth() == CV_8U) return image;
-  cv::Mat bytes;
-  image.convertTo(bytes, CV_8U, 1.0 / 256.0);
-  return bytes;
-}
-
 void take_videos(const std::string& left, const std::string& right, Reconstruction& reconstruction) {
-  cv::VideoCapture left_video(left), right_video(right);
-  if (!left_video.isOpened()) throw Error(ErrorKind::kIo, "cannot be read as a video", left);
-  if (!right_video.isOpened()) throw Error(ErrorKind::kIo, "cannot be read as a video", right);
-  const auto grey = [](cv::VideoCapture& video, cv::Mat& image) {
-    if (!video.read(image)) return false;
-    if (image.channels() > 1) cv::cvtColor(image, image, cv::COLOR_BGR2GRAY);
-    return true;
-  };
-  cv::Mat left_image, right_image;
+  GreyVideo left_video(left), right_video(right);
   for (int frame = 0;; ++frame) {
-    const bool in_left = grey(left_video, left_image);
-    const bool in_right = grey(right_video, right_image);
-    if (in_left != in_right) say_warning(fmt::format("{} ends first, after {} frames", in_left ? right : left, frame));
-    if (!in_left || !in_right) return;
-    reconstruction.take(fmt::format("{:06}", frame), left_image, right_image, left, right);
+    const cv::Mat in_left = left_video.next(), in_right = right_video.next();
+    for (const auto& [image, path] : {std::pair(&in_left, &left), std::pair(&in_right, &right)}) {
+      if (frame == 0 && image->empty()) throw Error(ErrorKind::kIo, kNoVideo, *path);
+    }
+    if (in_left.empty() != in_right.empty())
+      say_warning(fmt::format("{} ends first, after {} frames", in_left.empty() ? left : right, frame));
+    if (in_left.empty() || in_right.empty()) return;
+    reconstruction.take({fmt::format("{:06}", frame), left, right, ""}, in_left, in_right);
   }
 }
 
-// Images with the same frame name belong together; two single images always do.
-void take_images(const std::vector<ImageFile>& left, const std::vector<ImageFile>& right,
-                 Reconstruction& reconstruction) {
+std::map<std::string, std::string> paths_by_frame(const std::vector<ImageFile>& files) {
+  std::map<std::string, std::string> paths;
+  for (const ImageFile& file : files) paths[file.frame] = file.path;
+  return paths;
+}
+
+// Images with the same frame name belong together; single images always do.
+std::vector<Moment> moments_of(const std::vector<ImageFile>& left, const std::vector<ImageFile>& right,
+                               const std::vector<ImageFile>& lit) {
   if (left.size() == 1 && right.size() == 1) {
-    const std::string name = fs::path(left[0].path).stem().string();
-    return reconstruction.take(name, image_at(left[0].path), image_at(right[0].path), left[0].path, right[0].path);
+    return {{fs::path(left[0].path).stem().string(), left[0].path, right[0].path,
+             lit.size() == 1 ? lit[0].path : std::string()}};
   }
-  std::map<std::string, std::string> right_of;
-  for (const ImageFile& file : right) right_of[file.frame] = file.path;
-  std::size_t alone = 0;
+  const std::map<std::string, std::string> right_of = paths_by_frame(right), lit_of = paths_by_frame(lit);
+  std::vector<Moment> moments;
   for (const ImageFile& file : left) {
-    const auto found = right_of.find(file.frame);
-    if (found == right_of.end()) {
-      ++alone;
-      continue;
-    }
-    reconstruction.take(file.frame, image_at(file.path), image_at(found->second), file.path, found->second);
+    const auto found = right_of.find(file.frame), laser = lit_of.find(file.frame);
+    if (found == right_of.end()) continue;
+    moments.push_back({file.frame, file.path, found->second, laser == lit_of.end() ? "" : laser->second});
   }
-  if (alone > 0)
-    say_warning(fmt::format("{} of {} left images have no right one of the same number", alone, left.size()));
+  if (moments.size() < left.size()) {
+    say_warning(fmt::format("{} of {} left images have no right one of the same number", left.size() - moments.size(),
+                            left.size()));
+  }
+  return moments;
 }
 
 void run(const Flags& flags) {
   const std::vector<ImageFile> left = files_of(0, flags.left);
   const std::vector<ImageFile> right = files_of(1, flags.right);
+  const std::vector<ImageFile> lit = flags.laser.empty() ? std::vector<ImageFile>() : files_of(0, flags.laser);
+  const bool videos = left.size() == 1 && right.size() == 1 && left[0].video && right[0].video;
+  if (!flags.laser.empty() && (videos || lit[0].video)) {
+    throw Error(ErrorKind::kBadInput,
+                "--laser goes with images, not with videos; take the frames out of the video first");
+  }
   Reconstruction reconstruction(flags);
-  if (left.size() == 1 && right.size() == 1 && left[0].video && right[0].video) {
+  if (videos) {
     take_videos(left[0].path, right[0].path, reconstruction);
   } else {
-    take_images(left, right, reconstruction);
+    for (const Moment& moment : moments_of(left, right, lit)) {
+      reconstruction.take(moment, image_at(moment.left), image_at(moment.right));
+    }
   }
   reconstruction.finish();
 }
@@ -208,6 +244,10 @@ void add_stereo_reconstruction(CLI::App& reconstruct) {
   verb->add_option("--vehicle", flags->vehicle,
                    "where the pair is in a car: tells seat and head (docs/formats/stereo.md)")
       ->type_name("TOML");
+  verb->add_option("--laser", flags->laser,
+                   "the left camera with the rig's laser on, at the same moments: its dots anchor depth where there is "
+                   "no texture; may be the left images themselves")
+      ->type_name("IMAGE");
   verb->add_option("--exposure", flags->exposure, "shutter [ms] and gain of the images: advises what they should be")
       ->expected(2)
       ->check(CLI::PositiveNumber);

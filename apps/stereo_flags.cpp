@@ -113,7 +113,7 @@ void declare_stereo_flags(CLI::App& verb, StereoFlags& flags) {
       ->capture_default_str();
 }
 
-StereoSetup stereo_setup(const std::string& calibration_path, const StereoFlags& flags) {
+StereoSetup stereo_setup(const std::string& calibration_path, const StereoFlags& flags, bool with_dots) {
   const CalibrationFile file = read_calibration(calibration_path);
   const auto [left, right] = camera_pair(file.calibration, flags.rectify);
   StereoOptions options;
@@ -125,6 +125,7 @@ StereoSetup stereo_setup(const std::string& calibration_path, const StereoFlags&
   options.match.window_px = flags.window_px;
   options.match.paths = flags.paths;
   options.least_matched = flags.least_matched_percent / 100.0;
+  if (with_dots) options.dots = DotFusionOptions{};
   const Rectification pair = rectify(left, right, options.rectify);
   const double near_m = flags.near_m > 0 ? flags.near_m : kNearBaselines * pair.baseline_m;
   const int wanted = static_cast<int>(std::ceil(disparity_at(pair, near_m))) + 2 - flags.least_disparity;

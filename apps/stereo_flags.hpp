@@ -47,7 +47,7 @@ struct StereoSetup {
   StereoMatcher matcher;
   std::vector<std::string> said;  ///< what the user should know of it
 };
-StereoSetup stereo_setup(const std::string& calibration, const StereoFlags& flags);
+StereoSetup stereo_setup(const std::string& calibration, const StereoFlags& flags, bool with_dots);
 
 struct StereoSummary {
   int points = 0;

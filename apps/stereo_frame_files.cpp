@@ -118,7 +118,7 @@ StereoFrameFiles stereo_frame_files(const StereoFrame& frame, const StereoMatche
   json.update(more);
   return {png_from(frame.left),
           png_from(frame.right),
-          png_of_values(frame, [&](int u, int v) { return 256.0 * frame.disparity.disparity_px.at(u, v); }),
+          png_of_values(frame, [&](int u, int v) { return 256.0 * frame.disparity_px().at(u, v); }),
           png_of_values(frame, [&](int u, int v) { return 1000.0 * depth_of(frame.points.at(u, v), projection); }),
           ply_from(frame, static_cast<int>(depths.size())),
           text_of_json(json, 1) + "\n"};

@@ -157,7 +157,7 @@ nlohmann::json stereo_page_frame(const std::string& name, const StereoFrame& fra
           {"matched", frame.disparity.matched},
           {"middle_m", {middle(places[0]), middle(places[1]), middle(places[2])}},
           {"left", picture(".jpg", image_of(frame.left, CV_8U))},
-          {"disparity", picture(".png", coloured(frame.disparity.disparity_px))},
+          {"disparity", picture(".png", coloured(frame.disparity_px()))},
           {"points", std::move(points)}};
 }
 

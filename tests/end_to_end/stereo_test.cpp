@@ -182,6 +182,39 @@ TEST(ReconstructStereo, ShowsASequenceInABrowser) {
   EXPECT_TRUE(browser.errors.empty()) << browser.errors.front();
 }
 
+// Of this seed the fourth board stands in the beams: its white squares have no texture, but dots.
+TEST(ReconstructStereo, LaserDotsFillWhatHasNoTexture) {
+  const fs::path folder = fresh_folder();
+  const std::string rig = RAYBUNDLE_SOURCE_DIR "/datasets/rigs/rig_21mm_stereo_laser.toml";
+  const ProgramRun simulated =
+      raybundle_program({"simulate", rig, "--frames", "4", "--seed", "5", "-o", (folder / "sim").string()});
+  ASSERT_EQ(simulated.exit_code, 0) << simulated.err;
+  const auto image = [&](const char* name) { return (folder / "sim/images" / name).string(); };
+  const auto run = [&](std::vector<std::string> laser) {
+    std::vector<std::string> words{"reconstruct",
+                                   "stereo",
+                                   (folder / "sim/truth/calibration.json").string(),
+                                   image("left/003_off.png"),
+                                   image("right/003_off.png"),
+                                   "--near",
+                                   "0.15",
+                                   "--json",
+                                   "-o",
+                                   (folder / "points").string()};
+    words.insert(words.end(), laser.begin(), laser.end());
+    return raybundle_program(words);
+  };
+  const ProgramRun plain = run({}), fused = run({"--laser", image("left/003_on.png")});
+  ASSERT_EQ(plain.exit_code, 0) << plain.err;
+  ASSERT_EQ(fused.exit_code, 0) << fused.err;
+  const nlohmann::json without = nlohmann::json::parse(plain.out), with = nlohmann::json::parse(fused.out);
+  EXPECT_GT(with.at("laser").at("dots"), 50);
+  EXPECT_GT(with.at("laser").at("filled"), 500);
+  EXPECT_GT(with.at("points").get<int>(), without.at("points").get<int>() + 500);
+  const ProgramRun small = run({"--laser", image("../truth/calibration.json")});
+  EXPECT_EQ(small.exit_code, 5);
+}
+
 TEST(ReconstructStereo, SaysWhatIsWrong) {
   const fs::path folder = fresh_folder();
   const ProgramRun missing =

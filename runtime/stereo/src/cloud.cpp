@@ -14,9 +14,9 @@ inline float cotangent(float x) {
 }
 
 template <typename Inverse>
-void triangulate(Extent columns, const float* disparity_px, const float* variance, const float* scale,
-                 const float* offset, const float* slope, const float* x, const float* across, float y, float z,
-                 float curve, float baseline_variance, Inverse inverse, StereoPoint* points) {
+void triangulate(Extent columns, const float* disparity_px, const float* sigma_px, const float* variance,
+                 const float* scale, const float* offset, const float* slope, const float* x, const float* across,
+                 float y, float z, float curve, float baseline_variance, Inverse inverse, StereoPoint* points) {
 #pragma GCC ivdep
   for (int u = columns.begin; u < columns.end; ++u) {
     const float matched = disparity_px[u] > 0 ? 1.0F : 0.0F;  // a factor, not a branch
@@ -27,13 +27,15 @@ void triangulate(Extent columns, const float* disparity_px, const float* varianc
     points[u].x_m = distance * x[u];
     points[u].y_m = distance * across[u] * y;
     points[u].z_m = distance * across[u] * z;
-    points[u].sigma_m = std::sqrt(along2 * (per_px * per_px * variance[u] + distance * distance * baseline_variance));
+    const float disparity_variance = variance[u] + sigma_px[u] * sigma_px[u];
+    points[u].sigma_m =
+        std::sqrt(along2 * (per_px * per_px * disparity_variance + distance * distance * baseline_variance));
   }
 }
 
 }  // namespace
 
-Cloud::Cloud(const Rectification& pair, const CalibrationSigma& calibration, double match_sigma_px)
+Cloud::Cloud(const Rectification& pair, const CalibrationSigma& calibration)
     : pinhole_(pair.camera.projection == RectifiedProjection::kPinhole),
       focal_px_(static_cast<float>(pair.camera.focal_px)),
       curve_(pinhole_ ? 0.0F : 1.0F),
@@ -54,14 +56,15 @@ Cloud::Cloud(const Rectification& pair, const CalibrationSigma& calibration, dou
     z_.push_back(static_cast<float>(pinhole_ ? 1.0 : std::cos(plane)));
   }
   disparity_variance_ = calibration.disparity_sigma_px;
-  for (float& value : disparity_variance_) value = static_cast<float>(match_sigma_px * match_sigma_px) + value * value;
+  for (float& value : disparity_variance_) value *= value;
 }
 
-void Cloud::triangulate_row(int v, Extent columns, const float* disparity_px, StereoPoint* points) const {
+void Cloud::triangulate_row(int v, Extent columns, const float* disparity_px, const float* sigma_px,
+                            StereoPoint* points) const {
   const auto width = static_cast<int>(x_.size());
   columns.fill_beyond(points, width, StereoPoint{});
   const auto call = [&](auto inverse) {
-    triangulate(columns, disparity_px, disparity_variance_.data() + static_cast<std::ptrdiff_t>(v) * width,
+    triangulate(columns, disparity_px, sigma_px, disparity_variance_.data() + static_cast<std::ptrdiff_t>(v) * width,
                 scale_.data(), offset_.data(), slope_.data(), x_.data(), across_.data(),
                 y_[static_cast<std::size_t>(v)], z_[static_cast<std::size_t>(v)], curve_, relative_baseline_variance_,
                 inverse, points);

@@ -17,10 +17,12 @@ namespace raybundle {
 ///   point = distance (x[u], across[u] y[v], across[u] z[v])
 class Cloud {
  public:
-  Cloud(const Rectification& pair, const CalibrationSigma& calibration, double match_sigma_px);
+  Cloud(const Rectification& pair, const CalibrationSigma& calibration);
 
   /// @param columns  of the row that may be matched; the others become points at 0
-  void triangulate_row(int v, Extent columns, const float* disparity_px, StereoPoint* points) const;
+  /// @param sigma_px  of each disparity of the row, without the calibration's
+  void triangulate_row(int v, Extent columns, const float* disparity_px, const float* sigma_px,
+                       StereoPoint* points) const;
 
  private:
   bool pinhole_;
@@ -29,7 +31,7 @@ class Cloud {
   float relative_baseline_variance_;
   std::vector<float> scale_, offset_, slope_, x_, across_;  // for each column
   std::vector<float> y_, z_;                                // for each row
-  std::vector<float> disparity_variance_;                   // for each pixel [px²]
+  std::vector<float> disparity_variance_;                   // for each pixel, of the calibration [px²]
 };
 
 }  // namespace raybundle

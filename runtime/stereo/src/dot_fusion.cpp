@@ -110,6 +110,23 @@ Agreement best_agreement(const Neighbours& dots, double most_slope, double gate_
 
 }  // namespace
 
+std::optional<AnchorDot> anchor_dot(const Rectification& pair, const Eigen::Vector3d& x_in_left,
+                                    const Eigen::Matrix3d& covariance_m2) {
+  constexpr double kPart = 1e-3;  // of the distance: for the derivative
+  const Eigen::Vector3d x = pair.rectified_from_left * x_in_left, ray = x_in_left.normalized();
+  const bool pinhole = pair.camera.projection == RectifiedProjection::kPinhole;
+  const double distance = pinhole ? x.z() : x.norm();
+  if (!(distance > 0.0)) return std::nullopt;
+  const auto pixel = pair.camera.pixel_from_ray(x);
+  if (!pixel || !pair.camera.contains(*pixel)) return std::nullopt;
+  const auto disparity = [&](double times) {
+    return disparity_from_distance(pair.camera, pair.baseline_m, pixel->x(), times * distance);
+  };
+  const double per_part = (disparity(1 - kPart) - disparity(1 + kPart)) / (2 * kPart);
+  const double sigma_part = std::sqrt(ray.dot(covariance_m2 * ray)) / x.norm();
+  return AnchorDot{pixel->x(), pixel->y(), disparity(1.0), std::abs(per_part) * sigma_part};
+}
+
 DotFusion::DotFusion(ImageSize size, const DotFusionOptions& options)
     : size_(size),
       options_(checked(size, options)),

@@ -38,6 +38,8 @@ struct StereoMatcher::Data {
   RemapTable left_table, right_table;
   OwnImage<std::uint8_t> left, right;
   Matcher matcher;
+  std::optional<DotFusion> fusion;
+  std::vector<float> match_sigma_px;  // of a row
   Cloud cloud;
   OwnImage<StereoPoint> points;
   int covered = 0;
@@ -52,8 +54,13 @@ struct StereoMatcher::Data {
         left(pair.camera.size),
         right(pair.camera.size),
         matcher(pair.camera.size, options.match),
-        cloud(pair, sigma, options.match_sigma_px),
+        match_sigma_px(static_cast<std::size_t>(pair.camera.size.width), static_cast<float>(options.match_sigma_px)),
+        cloud(pair, sigma),
         points(pair.camera.size) {
+    if (options.dots) {
+      options.dots->match_sigma_px = options.match_sigma_px;
+      fusion.emplace(pair.camera.size, *options.dots);
+    }
     for (std::size_t i = 0; i < left_table.covered.size(); ++i) {
       covered += static_cast<int>(left_table.covered[i] & right_table.covered[i]);
     }
@@ -77,7 +84,7 @@ double StereoMatcher::calibration_sigma_px() const {
   return data_->sigma.disparity_sigma_px[static_cast<std::size_t>(size.height / 2) * size.width + size.width / 2];
 }
 
-StereoFrame StereoMatcher::process(GreyView left, GreyView right) {
+StereoFrame StereoMatcher::process(GreyView left, GreyView right, std::span<const AnchorDot> dots) {
   Data& own = *data_;
   StereoFrame frame;
   if (!of_size(left, own.left_table.source) || !of_size(right, own.right_table.source)) return frame;
@@ -87,9 +94,11 @@ StereoFrame StereoMatcher::process(GreyView left, GreyView right) {
   frame.right = own.right.seen();
   frame.disparity =
       own.matcher.match(frame.left, frame.right, own.left_table.covered.data(), own.right_table.covered.data());
+  if (own.fusion) frame.fused = own.fusion->fuse(frame.left, frame.disparity, dots);
   for (int v = 0; v < own.points.size.height; ++v) {
-    own.cloud.triangulate_row(v, own.left_table.extent(v), frame.disparity.disparity_px.row(v),
-                              own.points.view().row(v));
+    const float* disparity_px = own.fusion ? frame.fused.disparity_px.row(v) : frame.disparity.disparity_px.row(v);
+    const float* sigma_px = own.fusion ? frame.fused.sigma_px.row(v) : own.match_sigma_px.data();
+    own.cloud.triangulate_row(v, own.left_table.extent(v), disparity_px, sigma_px, own.points.view().row(v));
   }
   frame.points = own.points.seen();
   frame.state = frame.disparity.matched < own.options.least_matched * own.covered ? State::kDegraded : State::kOk;

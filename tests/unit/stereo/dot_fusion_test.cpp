@@ -5,11 +5,13 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <functional>
 #include <random>
 
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/stereo/rectification.hpp"
 
 namespace raybundle {
 namespace {
@@ -45,6 +47,39 @@ struct Scene {
 
 bool is_from(const FusedView& view, int i, DisparitySource source) {
   return view.source.pixels[i] == static_cast<std::uint8_t>(source);
+}
+
+// A pair of either projection, 0.1 m apart and turned.
+Rectification pair_of(RectifiedProjection projection) {
+  const Camera camera = start_camera(*model_named("pinhole"), {160, 120}, 100.0);
+  RigCamera left{"left", camera, {}}, right{"right", camera, {}};
+  right.camera_from_rig.rotation = Eigen::AngleAxisd(0.05, Eigen::Vector3d(1, 2, 3).normalized());
+  right.camera_from_rig.translation = right.camera_from_rig.rotation * Eigen::Vector3d(-0.1, 0.002, 0.001);
+  return rectify(left, right, {.projection = projection});
+}
+
+// Its sigma is the spread of the disparities of points that scatter along the ray.
+TEST(AnchorDot, IsWhereBothRectifiedImagesShowThePoint) {
+  for (const auto projection : {RectifiedProjection::kPinhole, RectifiedProjection::kTransverseEquirectangular}) {
+    const Rectification pair = pair_of(projection);
+    const Eigen::Vector3d x_in_left(0.1, -0.05, 0.8), ray = x_in_left.normalized();
+    constexpr double kSigma_m = 0.004;
+    const Eigen::Matrix3d covariance = kSigma_m * kSigma_m * ray * ray.transpose();
+    const auto disparity = [&](const Eigen::Vector3d& x) {
+      const Eigen::Vector3d in_left = pair.rectified_from_left * x;
+      const auto left = pair.camera.pixel_from_ray(in_left);
+      const auto right = pair.camera.pixel_from_ray(in_left - pair.baseline_m * Eigen::Vector3d::UnitX());
+      return left->x() - right->x();
+    };
+    const auto dot = anchor_dot(pair, x_in_left, covariance);
+    ASSERT_TRUE(dot);
+    const Eigen::Vector2d pixel = *pair.camera.pixel_from_ray(pair.rectified_from_left * x_in_left);
+    EXPECT_EQ(Eigen::Vector2d(dot->u_px, dot->v_px), pixel);
+    EXPECT_NEAR(dot->disparity_px, disparity(x_in_left), 1e-9);
+    const double slope = (disparity(x_in_left - kSigma_m * ray) - disparity(x_in_left + kSigma_m * ray)) / 2;
+    EXPECT_NEAR(dot->sigma_px, slope, 1e-3 * slope);  // both are differences, of 0.5 % and 0.1 % of the distance
+    EXPECT_FALSE(anchor_dot(pair, -x_in_left, covariance));
+  }
 }
 
 double slanted(double u, double v) { return 20.0 + 0.05 * u - 0.03 * v; }

@@ -4,12 +4,14 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "raybundle/camera/camera.hpp"
 #include "raybundle/device/image_view.hpp"
 #include "raybundle/stereo/matcher.hpp"
+#include "raybundle/stereo/rectification.hpp"
 
 namespace raybundle {
 
@@ -20,6 +22,13 @@ struct AnchorDot {
   double disparity_px = 0.0;  ///< of its distance, disparity_from_distance()
   double sigma_px = 0.0;      ///< of the disparity, > 0
 };
+
+/// The dot of a measured point; nothing when the rectified image does not show it, or it lies behind the cameras.
+///
+/// @param x_in_left      [m] in the left camera's frame
+/// @param covariance_m2  of it
+std::optional<AnchorDot> anchor_dot(const Rectification& pair, const Eigen::Vector3d& x_in_left,
+                                    const Eigen::Matrix3d& covariance_m2);
 
 struct DotFusionOptions {
   double reach_px = 48.0;          ///< farthest dot that tells anything about a pixel

@@ -4,11 +4,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 
 #include "raybundle/device/image_view.hpp"
 #include "raybundle/device/state.hpp"
 #include "raybundle/scene/calibration.hpp"
+#include "raybundle/stereo/dot_fusion.hpp"
 #include "raybundle/stereo/matcher.hpp"
 #include "raybundle/stereo/rectification.hpp"
 
@@ -25,17 +28,24 @@ struct StereoPoint {
 struct StereoOptions {
   RectifyOptions rectify;
   MatchOptions match;
-  double match_sigma_px = 0.15;  ///< of a matched disparity
-  double least_matched = 0.05;   ///< share of the covered pixels below which a frame is degraded
+  double match_sigma_px = 0.15;          ///< of a matched disparity
+  double least_matched = 0.05;           ///< share of the covered pixels below which a frame is degraded
+  std::optional<DotFusionOptions> dots;  ///< set: laser dots may be given; its match_sigma_px is that above
 };
 
 /// What one pair of images gave. The views belong to the matcher and hold until its next call.
 struct StereoFrame {
-  State state = State::kInvalid;  ///< kInvalid: an image is not of the calibrated size; nothing else is set then
-  GreyView left;                  ///< rectified
-  GreyView right;                 ///< rectified
-  DisparityView disparity;
+  State state = State::kInvalid;        ///< kInvalid: an image is not of the calibrated size; nothing else is set then
+  GreyView left;                        ///< rectified
+  GreyView right;                       ///< rectified
+  DisparityView disparity;              ///< the matcher's
+  FusedView fused;                      ///< with the dots; no pixels when the options have none
   ImageView<const StereoPoint> points;  ///< organised: one for each pixel of `left`
+
+  /// What the points were made of: fused, or the matcher's.
+  ImageView<const float> disparity_px() const {
+    return fused.disparity_px.pixels != nullptr ? fused.disparity_px : disparity.disparity_px;
+  }
 };
 
 /// From two camera images to points: rectifies, matches, and triangulates. All memory is taken by the constructor;
@@ -58,7 +68,8 @@ class StereoMatcher {
   double calibration_sigma_px() const;
 
   /// @param left, right  as the cameras took them, at one moment
-  StereoFrame process(GreyView left, GreyView right);
+  /// @param dots         of that moment; without StereoOptions::dots they do not matter
+  StereoFrame process(GreyView left, GreyView right, std::span<const AnchorDot> dots = {});
 
  private:
   struct Data;
