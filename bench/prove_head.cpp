@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The Raybundle authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The head of whoever is on the seat, from depth of 128x128 stereo in simulated cabins: how far its centre is from the
-// true one, how often it is found, whether its sigma tells, and how often a head is found where none is.
+// The head of whoever is on the seat, from depth of 128x128 stereo in simulated cabins: how far its front (where the
+// line from the sensor to its centre enters it) is from the true one, how often it is found, whether its sigma tells,
+// and how often a head is found where none is. For information: the same of its centre, and of its foremost place.
 // usage: prove_head [scenes of each class, default 60]
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -30,8 +31,21 @@ constexpr int kThreads = 2;
 
 struct Trial {
   bool there = false, visible = false, found = false;
-  double error_m = 0.0, chi_squared = 0.0;
+  double error_m = 0.0, chi_squared = 0.0, centre_error_m = 0.0, foremost_error_m = 0.0;
 };
+
+// Where the line from the eye to the centre of the true ellipsoid enters it.
+Eigen::Vector3d front_of(const HeadTruth& head, const Eigen::Vector3d& eye) {
+  const Eigen::Vector3d to_eye = eye - head.centre;
+  return head.centre + to_eye / (head.vehicle_from_head.conjugate() * to_eye).cwiseQuotient(head.semi_axes).norm();
+}
+
+// Its place next to the dashboard's plane.
+Eigen::Vector3d foremost_of(const Eigen::Vector3d& centre, const Eigen::Matrix3d& vehicle_from_head,
+                            const Eigen::Vector3d& semi_axes) {
+  const Eigen::Vector3d stretched = semi_axes.cwiseProduct(vehicle_from_head.row(0).transpose());
+  return centre + vehicle_from_head * semi_axes.cwiseProduct(stretched.normalized());
+}
 
 Trial trial(CockpitGenerator generator, CabinClass wanted, std::uint64_t seed) {
   const MeasuredScene scene = measured_scene({SensorKind::kStereo, {generator, seed, wanted, 0.0}, {11, 11}});
@@ -41,9 +55,14 @@ Trial trial(CockpitGenerator generator, CabinClass wanted, std::uint64_t seed) {
   Trial trial{.there = scene.truth.head.has_value(), .found = head.found};
   trial.visible = trial.there && std::ranges::count(scene.parts, CabinPart::kHead) >= kVisible;
   if (!trial.there || !head.found) return trial;
-  const Eigen::Vector3d error = head.centre - scene.truth.head->centre;
+  const HeadTruth& truth = *scene.truth.head;
+  const Eigen::Vector3d error = head.front - front_of(truth, scene.viewpoint_in_vehicle);
   trial.error_m = error.norm();
-  trial.chi_squared = error.dot(head.covariance_m2.ldlt().solve(error));
+  trial.chi_squared = error.dot(head.front_covariance_m2.ldlt().solve(error));
+  trial.centre_error_m = (head.centre - truth.centre).norm();
+  trial.foremost_error_m = (foremost_of(head.centre, head.vehicle_from_head, head.semi_axes_m) -
+                            foremost_of(truth.centre, truth.vehicle_from_head.toRotationMatrix(), truth.semi_axes))
+                               .norm();
   return trial;
 }
 
@@ -51,6 +70,11 @@ bool print(const char* what, double value, double bar, bool at_least, const char
   const bool good = at_least ? value >= bar : value <= bar;
   std::printf("  %-36s %7.1f %-3s bar %6.1f  %s\n", what, scale * value, unit, scale * bar, good ? "ok" : "FAILS");
   return good;
+}
+
+void print_errors(const char* what, std::vector<double>& errors_m) {
+  std::printf("  %-36s %7.1f mm  median, 95 %% within %.1f mm\n", what, 1e3 * median(errors_m),
+              1e3 * quantile(errors_m, 0.95));
 }
 
 struct Group {
@@ -64,7 +88,7 @@ bool prove(CockpitGenerator generator, const Group& group, int scenes) {
     trials[i] = trial(generator, group.classes[i % group.classes.size()], kSeed + i);
   });
   int visible = 0, visible_found = 0, covered = 0, empty = 0, wrong = 0;
-  std::vector<double> errors_m;
+  std::vector<double> errors_m, centre_errors_m, foremost_errors_m;
   for (const Trial& trial : trials) {
     visible += trial.visible;
     visible_found += trial.visible && trial.found;
@@ -72,6 +96,8 @@ bool prove(CockpitGenerator generator, const Group& group, int scenes) {
     wrong += !trial.there && trial.found;
     if (!trial.there || !trial.found) continue;
     errors_m.push_back(trial.error_m);
+    centre_errors_m.push_back(trial.centre_error_m);
+    foremost_errors_m.push_back(trial.foremost_error_m);
     covered += trial.chi_squared <= kCovered;
   }
   std::printf("%s, %s: %zu scenes, one frame each\n",
@@ -81,10 +107,12 @@ bool prove(CockpitGenerator generator, const Group& group, int scenes) {
     good &= print("heads that are seen well and found", 1.0 * visible_found / visible, kLeastFound, true, "%", 100);
   if (empty > 0) good &= print("heads found where none is", 1.0 * wrong / empty, kMostFalse, false, "%", 100);
   if (!errors_m.empty()) {
-    good &= print("distance from the true centre, median", median(errors_m), kMostMedian_m, false, "mm", 1e3);
+    good &= print("distance from the true front, median", median(errors_m), kMostMedian_m, false, "mm", 1e3);
     good &= print("95 % quantile", quantile(errors_m, 0.95), kMost95_m, false, "mm", 1e3);
-    good &= print("within the 95 % ellipsoid of its sigma", 1.0 * covered / std::ssize(errors_m), kLeastCovered, true,
-                  "%", 100);
+    good &= print("within the 95 % ellipsoid of its sigma", covered / static_cast<double>(errors_m.size()),
+                  kLeastCovered, true, "%", 100);
+    print_errors("of its centre", centre_errors_m);
+    print_errors("of its foremost place", foremost_errors_m);
   }
   std::fflush(stdout);
   return good;

@@ -84,6 +84,26 @@ class Sums {
     gradient[i] += value / (sigma * sigma);
   }
 
+  // From the eye towards the centre: where the ellipsoid begins, and how that changes with what is fitted.
+  struct Front {
+    Eigen::Vector3d place;
+    Eigen::Matrix<double, 3, 6> rows;
+  };
+
+  Front front() const {
+    const double range = (centre_ - eye_).norm();
+    const Eigen::Vector3d ray = (centre_ - eye_) / range;
+    const double share = 1.0 - 1.0 / eye_in_ball_.norm();
+    const Eigen::Vector3d place = eye_ + share * range * ray;
+    const Distance distance = distance_of(in_ball(place));
+    const Eigen::RowVector3d normal = -distance.row.head<3>();
+    Front front{place, Eigen::Matrix<double, 3, 6>::Zero()};
+    front.rows.leftCols<3>() = share * (Eigen::Matrix3d::Identity() - ray * ray.transpose());
+    const Eigen::Matrix<double, 1, 6> off = distance.row.transpose() + normal * front.rows;
+    front.rows -= ray * off / normal.dot(ray);
+    return front;
+  }
+
   double residual_m() const { return std::sqrt(squares_ / std::max(1, points)); }
 
   Matrix6 information = Matrix6::Zero();
@@ -119,6 +139,7 @@ class Sums {
 Head fit_head(const Scan& scan, const Eigen::Vector3d& start, const HeadOptions& options) {
   Head head;
   Ellipsoid ellipsoid{.centre = start, .nod_rad = options.nod_rad};
+  Matrix6 covariance = Matrix6::Zero();
   for (int i = 0; i < kIterations; ++i) {
     Sums sums(ellipsoid, scan, options);
     const double cut = kCut * (1.0 + 2.0 * std::max(0.0, 1.0 - static_cast<double>(i) / kWideIterations));
@@ -135,11 +156,17 @@ Head fit_head(const Scan& scan, const Eigen::Vector3d& start, const HeadOptions&
     ellipsoid.nod_rad += std::clamp(step[5], -kMostTurn_rad, kMostTurn_rad);
     head.points = sums.points;
     head.residual_m = sums.residual_m();
-    head.covariance_m2 = sums.information.inverse().topLeftCorner<3, 3>();
+    covariance = sums.information.inverse();
   }
+  const Sums::Front front = Sums(ellipsoid, scan, options).front();
+  head.front = front.place;
+  head.front_covariance_m2 = front.rows * covariance * front.rows.transpose();
+  head.front_covariance_m2.diagonal().array() += options.shape_sigma_m * options.shape_sigma_m;
+  head.covariance_m2 = covariance.topLeftCorner<3, 3>();
   head.covariance_m2.diagonal().array() += options.hair_sigma_m * options.hair_sigma_m;
   head.found = ellipsoid.centre.allFinite();
-  head.centre = ellipsoid.centre + options.hair_m * ellipsoid.vehicle_from_head().col(0);
+  head.vehicle_from_head = ellipsoid.vehicle_from_head();
+  head.centre = ellipsoid.centre + options.hair_m * head.vehicle_from_head.col(0);
   head.semi_axes_m = std::exp(ellipsoid.log_size) * options.semi_axes_m;
   return head;
 }

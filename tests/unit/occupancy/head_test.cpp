@@ -94,6 +94,20 @@ TEST(Head, TellsHowSureItIs) {
   }
 }
 
+// Its front is seen whatever its size: 5 mm is what remains of the direction in which the centre is.
+TEST(Head, ItsFrontIsSurerThanItsCentre) {
+  for (const double size : {0.92, 1.0, 1.06}) {
+    const Shape shape = head_at({-0.05, 0.03, 0.60}, 0.2, size);
+    const Head head = found_in({kBody, shape}, 0.002);
+    ASSERT_TRUE(head.found) << size;
+    const Eigen::Vector3d ray = (shape.centre - kEye).normalized();
+    const Eigen::Vector3d error = head.front - (kEye + distance_to(shape, ray) * ray);
+    EXPECT_LT(error.norm(), 0.005) << size;
+    EXPECT_LT(error.dot(head.front_covariance_m2.ldlt().solve(error)), 16.0) << size;
+    EXPECT_LT(ray.dot(head.front_covariance_m2 * ray), ray.dot(head.covariance_m2 * ray)) << size;
+  }
+}
+
 TEST(Head, AnEmptySeatHasNone) {
   EXPECT_FALSE(found_in({}, 0.005).found);
   EXPECT_FALSE(find_head({}, {}, {}).found);

@@ -34,11 +34,14 @@ struct HeadOptions {
 /// A head that was found.
 struct Head {
   bool found = false;
+  Eigen::Vector3d front = Eigen::Vector3d::Zero();  ///< [m] where the line from the sensor to the centre enters it
+  Eigen::Matrix3d front_covariance_m2 = Eigen::Matrix3d::Zero();
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();         ///< [m] of the head's ellipsoid, in the vehicle frame
   Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();  ///< of the centre
   Eigen::Vector3d semi_axes_m = Eigen::Vector3d::Zero();    ///< to the face, to the ear, to the crown
-  int points = 0;                                           ///< on it
-  double residual_m = 0.0;                                  ///< their root mean square distance from it
+  Eigen::Matrix3d vehicle_from_head = Eigen::Matrix3d::Identity();  ///< columns: towards face, left ear, crown
+  int points = 0;                                                   ///< on it
+  double residual_m = 0.0;                                          ///< their root mean square distance from it
   double filled = 0.0;  ///< share of the rays through a ball of its size that end on it
   double clear = 0.0;   ///< share of the rays just beside the upper half of that ball that end far behind
 };
@@ -46,9 +49,10 @@ struct Head {
 /// The head of whoever is on the seat, from the dense points of one frame.
 ///
 /// Where points are as if on the front of a ball that stands free, an ellipsoid of the size of heads is fitted: points
-/// on it pull its surface, rays that pass beside it push it. What is told is the ellipsoid's centre, a point amid the
-/// head, not a point of the face. What is no head in size, in place above the seat, or in how it stands free, is not
-/// found. Without heap; the same bits on every run.
+/// on it pull its surface, rays that pass beside it push it. Told are its front, the middle of the surface that the
+/// sensor sees, and its centre, a point amid the head: the front is measured, the centre lies behind it by a size that
+/// one view hardly shows, and is less sure by that. What is no head in size, in place above the seat, or in how it
+/// stands free, is not found. Without heap; the same bits on every run.
 ///
 /// @param seat  as it is set: headrests are told from heads by it
 Head find_head(const VehicleLayout& layout, const SeatPose& seat, const Scan& scan, const HeadOptions& options = {});
