@@ -194,7 +194,9 @@ Json CabinWatch::take(const StereoFrame& frame) {
                     {"frames_since_seen", watch_.frames_since_seen()}};
   }
   if (head_.found) {
-    json["head"] = {{"centre_m", list(head_.centre)},
+    json["head"] = {{"front_m", list(head_.front)},
+                    {"front_sigma_m", list(head_.front_covariance_m2.diagonal().cwiseSqrt())},
+                    {"centre_m", list(head_.centre)},
                     {"sigma_m", list(head_.covariance_m2.diagonal().cwiseSqrt())},
                     {"semi_axes_m", list(head_.semi_axes_m)},
                     {"to_dashboard_m", cabin_.layout.dashboard_x_m - head_.centre.x()},
