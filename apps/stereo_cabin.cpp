@@ -3,15 +3,12 @@
 #include "stereo_cabin.hpp"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
-#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "raybundle/geometry/error.hpp"
 #include "raybundle/occupancy/seat_boxes.hpp"
-#include "raybundle/scene/csv.hpp"
+#include "vehicle_file.hpp"
 
 namespace raybundle::apps {
 namespace {
@@ -23,72 +20,6 @@ constexpr double kEdgeGrowth_px = 0.8;  // HeadOptions::edge_growth_rad, whateve
 constexpr double kDegree = M_PI / 180.0;
 
 Json list(const Eigen::Vector3d& x) { return {x.x(), x.y(), x.z()}; }
-
-// A section of the file; what is left over in it is unknown.
-class Section {
- public:
-  Section(const toml::table& file, const char* name, const std::string& path) : name_(name), path_(path) {
-    const toml::table* table = file[name].as_table();
-    if (table == nullptr) throw Error(ErrorKind::kBadInput, fmt::format("has no section [{}]; add it", name), path);
-    left_ = *table;
-  }
-
-  void read(const char* key, double& value) {
-    const auto number = left_[key].value<double>();
-    if (!number || !std::isfinite(*number)) fail(key, "a number");
-    value = *number;
-    left_.erase(key);
-  }
-
-  void read_if_there(const char* key, double& value) {
-    if (left_.contains(key)) read(key, value);
-  }
-
-  template <std::size_t kSize>
-  std::array<double, kSize> numbers(const char* key) {
-    const toml::array* array = left_[key].as_array();
-    if (array == nullptr || array->size() != kSize) fail(key, fmt::format("a list of {} numbers", kSize));
-    std::array<double, kSize> values{};
-    for (std::size_t i = 0; i < kSize; ++i) {
-      const auto number = array->get(i)->value<double>();
-      if (!number || !std::isfinite(*number)) fail(key, fmt::format("a list of {} numbers", kSize));
-      values[i] = *number;
-    }
-    left_.erase(key);
-    return values;
-  }
-
-  void expect_no_more() const {
-    if (left_.empty()) return;
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("[{}] has an unknown key '{}'; remove it", name_, left_.begin()->first.str()), path_);
-  }
-
- private:
-  [[noreturn]] void fail(const char* key, const std::string& wanted) const {
-    throw Error(ErrorKind::kBadInput, fmt::format("[{}] needs {} = {}", name_, key, wanted), path_);
-  }
-
-  std::string name_, path_;
-  toml::table left_;
-};
-
-VehicleLayout layout_of(Section section) {
-  VehicleLayout layout;
-  section.read("dashboard_x_m", layout.dashboard_x_m);
-  section.read("dashboard_top_m", layout.dashboard_top_m);
-  section.read("zone_floor_m", layout.zone_floor_m);
-  section.read("zone_half_width_m", layout.zone_half_width_m);
-  section.read("critical_m", layout.critical_m);
-  section.read("out_of_position_m", layout.out_of_position_m);
-  section.read_if_there("track_m", layout.track_m);
-  section.read_if_there("lift_m", layout.lift_m);
-  section.read_if_there("least_recline_rad", layout.least_recline_rad);
-  section.read_if_there("most_recline_rad", layout.most_recline_rad);
-  section.read_if_there("roof_m", layout.roof_m);
-  section.expect_no_more();
-  return layout;
-}
 
 // The twelve edges of a box, each from corner to corner.
 std::vector<Eigen::Vector3d> edges_of(const Box& box) {
@@ -127,23 +58,10 @@ std::vector<Eigen::Vector3d> circles_of(const Head& head) {
 }  // namespace
 
 StereoCabin read_stereo_cabin(const std::string& path) {
-  toml::table file;
-  try {
-    file = toml::parse(text_of_file(path), path);
-  } catch (const toml::parse_error& error) {
-    throw Error(ErrorKind::kBadInput, fmt::format("is not TOML: {}", error.description()),
-                fmt::format("{}:{}", path, error.source().begin.line));
-  }
-  StereoCabin cabin{layout_of({file, "vehicle", path}), {}};
-  Section section(file, "stereo", path);
-  const auto q = section.numbers<4>("rotation_xyzw");
-  const auto t = section.numbers<3>("translation_m");
+  const toml::table file = vehicle_file(path);
+  VehicleSection section(file, "stereo", path);
+  const StereoCabin cabin{vehicle_layout_in(file, path), section.pose()};
   section.expect_no_more();
-  cabin.vehicle_from_rig = {Eigen::Quaterniond(q[3], q[0], q[1], q[2]), Eigen::Vector3d(t.data())};
-  if (std::abs(cabin.vehicle_from_rig.rotation.norm() - 1.0) > 1e-6) {
-    throw Error(ErrorKind::kBadInput, "[stereo] rotation_xyzw has no unit length; give six digits and more", path);
-  }
-  cabin.vehicle_from_rig.rotation.normalize();
   return cabin;
 }
 

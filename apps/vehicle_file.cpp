@@ -1,0 +1,76 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "vehicle_file.hpp"
+
+#include <Eigen/Geometry>
+#include <utility>
+
+#include "raybundle/scene/csv.hpp"
+
+namespace raybundle::apps {
+
+VehicleSection::VehicleSection(const toml::table& file, const char* name, const std::string& path)
+    : name_(name), path_(path) {
+  const toml::table* table = file[name].as_table();
+  if (table == nullptr) throw Error(ErrorKind::kBadInput, fmt::format("has no section [{}]; add it", name), path);
+  left_ = *table;
+}
+
+double VehicleSection::number(const char* key) {
+  const auto value = left_[key].value<double>();
+  if (!value || !std::isfinite(*value)) fail(key, "a number");
+  left_.erase(key);
+  return *value;
+}
+
+Rigid3 VehicleSection::pose() {
+  const auto q = numbers<4>("rotation_xyzw");
+  const auto t = numbers<3>("translation_m");
+  Rigid3 pose{Eigen::Quaterniond(q[3], q[0], q[1], q[2]), Eigen::Vector3d(t.data())};
+  if (std::abs(pose.rotation.norm() - 1.0) > 1e-6) {
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("[{}] rotation_xyzw has no unit length; give six digits and more", name_), path_);
+  }
+  pose.rotation.normalize();
+  return pose;
+}
+
+void VehicleSection::expect_no_more() const {
+  if (left_.empty()) return;
+  throw Error(ErrorKind::kBadInput,
+              fmt::format("[{}] has an unknown key '{}'; remove it", name_, left_.begin()->first.str()), path_);
+}
+
+void VehicleSection::fail(const char* key, const std::string& wanted) const {
+  throw Error(ErrorKind::kBadInput, fmt::format("[{}] needs {} = {}", name_, key, wanted), path_);
+}
+
+toml::table vehicle_file(const std::string& path) {
+  try {
+    return toml::parse(text_of_file(path), path);
+  } catch (const toml::parse_error& error) {
+    throw Error(ErrorKind::kBadInput, fmt::format("is not TOML: {}", error.description()),
+                fmt::format("{}:{}", path, error.source().begin.line));
+  }
+}
+
+VehicleLayout vehicle_layout_in(const toml::table& file, const std::string& path) {
+  VehicleSection section(file, "vehicle", path);
+  VehicleLayout layout;
+  for (const auto& [key, value] :
+       {std::pair("dashboard_x_m", &layout.dashboard_x_m), std::pair("dashboard_top_m", &layout.dashboard_top_m),
+        std::pair("zone_floor_m", &layout.zone_floor_m), std::pair("zone_half_width_m", &layout.zone_half_width_m),
+        std::pair("critical_m", &layout.critical_m), std::pair("out_of_position_m", &layout.out_of_position_m)}) {
+    *value = section.number(key);
+  }
+  for (const auto& [key, value] :
+       {std::pair("track_m", &layout.track_m), std::pair("lift_m", &layout.lift_m),
+        std::pair("least_recline_rad", &layout.least_recline_rad),
+        std::pair("most_recline_rad", &layout.most_recline_rad), std::pair("roof_m", &layout.roof_m)}) {
+    section.read_if_there(key, *value);
+  }
+  section.expect_no_more();
+  return layout;
+}
+
+}  // namespace raybundle::apps

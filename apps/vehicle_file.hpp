@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/rigid3.hpp"
+#include "raybundle/occupancy/vehicle.hpp"
+
+namespace raybundle::apps {
+
+/// A section of vehicle.toml; what is left over in it is unknown. Include in .cpp files only: it is heavy.
+class VehicleSection {
+ public:
+  /// @throws Error(kBadInput) when there is no such section
+  VehicleSection(const toml::table& file, const char* name, const std::string& path);
+
+  double number(const char* key);
+  void read_if_there(const char* key, double& value) {
+    if (left_.contains(key)) value = number(key);
+  }
+
+  template <std::size_t kSize>
+  std::array<double, kSize> numbers(const char* key) {
+    const toml::array* array = left_[key].as_array();
+    if (array == nullptr || array->size() != kSize) fail(key, fmt::format("a list of {} numbers", kSize));
+    std::array<double, kSize> values{};
+    for (std::size_t i = 0; i < kSize; ++i) {
+      const auto value = array->get(i)->value<double>();
+      if (!value || !std::isfinite(*value)) fail(key, fmt::format("a list of {} numbers", kSize));
+      values[i] = *value;
+    }
+    left_.erase(key);
+    return values;
+  }
+
+  /// rotation_xyzw and translation_m: the pose of the sensor's frame in the vehicle.
+  Rigid3 pose();
+
+  void expect_no_more() const;
+
+ private:
+  [[noreturn]] void fail(const char* key, const std::string& wanted) const;
+
+  std::string name_, path_;
+  toml::table left_;
+};
+
+/// @throws Error(kIo) when it cannot be read, Error(kBadInput) naming the line when it is no TOML
+toml::table vehicle_file(const std::string& path);
+
+/// The section [vehicle]; the seat's travel and the roof may be left out.
+VehicleLayout vehicle_layout_in(const toml::table& file, const std::string& path);
+
+}  // namespace raybundle::apps
