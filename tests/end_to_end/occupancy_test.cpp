@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The Raybundle authors
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 
@@ -32,9 +31,7 @@ viewpoint_m = [0.46, 0.36, 0.90]
 // A base of few scenes; learnt once for all tests.
 const std::string& learnt_base() {
   static const std::string path = [] {
-    const fs::path folder = fs::temp_directory_path() / ("raybundle_occupancy_" + std::to_string(::getpid()));
-    fs::create_directories(folder);
-    const std::string base = (folder / "seats.rbcases").string();
+    const std::string base = (fresh_folder() / "seats.rbcases").string();
     const ProgramRun run =
         raybundle_program({"occupancy", "learn", "--scenes", "1000", "--neighbours", "5", "-o", base});
     EXPECT_EQ(run.exit_code, 0) << run.err;

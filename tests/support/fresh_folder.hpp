@@ -12,7 +12,7 @@
 
 namespace raybundle {
 
-/// An empty folder of the running test, removed when the tests end.
+/// Another empty folder of the running test, removed when the tests end.
 inline std::filesystem::path fresh_folder() {
   struct RemovedAtExit {
     std::vector<std::filesystem::path> folders;
@@ -23,8 +23,8 @@ inline std::filesystem::path fresh_folder() {
   };
   static RemovedAtExit all;
   const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-  std::string name =
-      std::string("raybundle_") + test->test_suite_name() + "_" + test->name() + "_" + std::to_string(getpid());
+  std::string name = std::string("raybundle_") + test->test_suite_name() + "_" + test->name() + "_" +
+                     std::to_string(getpid()) + "_" + std::to_string(all.folders.size());
   for (char& c : name) c = c == '/' ? '_' : c;
   const std::filesystem::path folder = std::filesystem::temp_directory_path() / name;
   std::filesystem::remove_all(folder);
