@@ -143,6 +143,13 @@ cv::Mat read_gray(const std::string& path, std::string& reason) {
   return image;
 }
 
+cv::Mat read_gray(const std::string& path) {
+  std::string reason;
+  cv::Mat image = read_gray(path, reason);
+  if (image.empty()) throw Error(ErrorKind::kIo, reason, path);
+  return image;
+}
+
 std::string for_each_frame(const ImageFile& file,
                            const std::function<void(const cv::Mat& gray, const std::string& frame)>& use) {
   std::string reason;

@@ -31,6 +31,11 @@ std::vector<ImageFile> image_files(int camera, const std::string& folder, const 
 /// An 8- or 16-bit grey image; empty, with the reason set, when the file is truncated or no image.
 cv::Mat read_gray(const std::string& path, std::string& reason);
 
+/// The same of a file that has to be one.
+///
+/// @throws Error(kIo) with the reason
+cv::Mat read_gray(const std::string& path);
+
 inline constexpr const char* kNoVideo = "not a video that can be decoded";  ///< why a video has no first frame
 
 /// Whether a path ends as those of videos do.

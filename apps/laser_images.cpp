@@ -54,13 +54,6 @@ void require_size(const cv::Mat& image, const std::string& path, const SensorTab
               path);
 }
 
-cv::Mat read(const std::string& path) {
-  std::string reason;
-  cv::Mat image = read_gray(path, reason);
-  if (image.empty()) throw Error(ErrorKind::kIo, reason.empty() ? "is no image" : reason, path);
-  return image;
-}
-
 // Largest value that the images can hold, of those of more than 8 bits.
 double full_scale(const ShotImages& images) {
   double largest = 0.0;
@@ -116,7 +109,7 @@ void for_each_moment(const LaserShot& shot, const SensorTable& table,
     throw Error(ErrorKind::kBadInput, "one of laser on and off is a video and the other one an image", shot.off);
   }
   if (!is_video(shot.on)) {
-    use(checked({read(shot.on), shot.off.empty() ? cv::Mat() : read(shot.off)}), name);
+    use(checked({read_gray(shot.on), shot.off.empty() ? cv::Mat() : read_gray(shot.off)}), name);
     return;
   }
   GreyVideo on(shot.on);

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -17,6 +15,7 @@
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/occupancy/case_base_file.hpp"
 #include "raybundle/scene/atomic_file.hpp"
+#include "raybundle/scene/csv.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 
@@ -52,13 +51,6 @@ LaserGrid grid_of(const std::string& word) {
   return {rows, columns};
 }
 
-std::string bytes_of_file(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes(std::istreambuf_iterator<char>(file), {});
-  if (!file) throw Error(ErrorKind::kIo, "cannot be read; name a file that `raybundle occupancy learn` wrote", path);
-  return bytes;
-}
-
 void run_learn(Flags flags) {
   flags.learning.kind = kind_of(flags.sensor);
   flags.learning.scenes = flags.scenes > 0 ? flags.scenes : learning_of(flags.learning.kind).scenes;
@@ -87,7 +79,7 @@ void run_learn(Flags flags) {
 }
 
 void run_evaluate(Flags flags) {
-  const CaseBase base = case_base_from_bytes(bytes_of_file(flags.base), flags.base);
+  const CaseBase base = case_base_from_bytes(text_of_file(flags.base), flags.base);
   EvaluationOptions& options = flags.evaluation;
   options.kind = base.attribute_set == kBoxes.name ? SensorKind::kStereo : SensorKind::kStructuredLight;
   options.monitor = monitor_options_of(options.kind);
@@ -143,7 +135,7 @@ nlohmann::ordered_json json_of(const std::vector<ScenePoint>& points) {
 }
 
 void run_classify(const Flags& flags) {
-  const CaseBase base = case_base_from_bytes(bytes_of_file(flags.base), flags.base);
+  const CaseBase base = case_base_from_bytes(text_of_file(flags.base), flags.base);
   const InstalledSensor sensor = read_installed_sensor(flags.vehicle);
   if (base.attribute_set != kStripes.name) {
     throw Error(ErrorKind::kBadInput,

@@ -141,14 +141,6 @@ MonitorOptions monitor_options_of(SensorKind kind) {
   return options;
 }
 
-double Share::bound(double side) const {
-  constexpr double kZ = 1.96;
-  if (trials == 0) return side < 0.0 ? 0.0 : 1.0;
-  const double n = trials, p = value(), z2 = kZ * kZ;
-  const double middle = p + z2 / (2 * n), half = kZ * std::sqrt(p * (1 - p) / n + z2 / (4 * n * n));
-  return std::clamp((middle + side * half) / (1 + z2 / n), 0.0, 1.0);
-}
-
 SeatEvaluation evaluate_seats(const EvaluationOptions& options) {
   std::vector<SeatTrial> trials(static_cast<std::size_t>(options.scenes));
   for_each_index(trials.size(), options.threads, [&](std::size_t i) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "occupancy_scenes.hpp"
+#include "raybundle/geometry/wilson.hpp"
 #include "raybundle/occupancy/monitor.hpp"
 
 namespace raybundle::apps {
@@ -35,11 +36,8 @@ struct Share {
   int trials = 0;
 
   double value() const { return trials == 0 ? 0.0 : static_cast<double>(count) / trials; }
-  double low() const { return bound(-1.0); }
-  double high() const { return bound(1.0); }
-
- private:
-  double bound(double side) const;  ///< Wilson 1927
+  double low() const { return wilson_bound(value(), trials, -1.96); }  ///< with high: 95 %
+  double high() const { return wilson_bound(value(), trials, 1.96); }
 };
 
 /// How the monitor did on simulated cabins.

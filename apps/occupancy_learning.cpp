@@ -31,12 +31,17 @@ std::vector<std::string> cabin_groups() { return {kCabinGroupNames.begin(), kCab
 
 namespace {
 
+// What is right for somebody of the truth's class at that distance, in the vehicle's zones.
+CabinDecision decision_at(const CockpitTruth& truth, double dashboard_distance_m, const VehicleLayout& vehicle) {
+  CabinLayout zones;
+  zones.critical_m = vehicle.critical_m;
+  zones.out_of_position_m = vehicle.out_of_position_m;
+  return decision_of(truth.seat_class, dashboard_distance_m, zones);
+}
+
 // What would be right if whoever is there were nearer by a margin.
 AirbagAction action_to_learn(const MeasuredScene& scene, double margin_m) {
-  CabinLayout layout;
-  layout.critical_m = scene.layout.critical_m;
-  layout.out_of_position_m = scene.layout.out_of_position_m;
-  switch (decision_of(scene.truth.seat_class, scene.truth.dashboard_distance_m - margin_m, layout)) {
+  switch (decision_at(scene.truth, scene.truth.dashboard_distance_m - margin_m, scene.layout)) {
     case CabinDecision::kFire:
       return AirbagAction::kFire;
     case CabinDecision::kDepowered:
@@ -122,10 +127,7 @@ MeasuredScene as_in_another_car(MeasuredScene scene, const SimulatedLearning& ho
     const bool outside = truth.dashboard_distance_m < layout.out_of_position_m;
     truth.seat_class = outside ? CabinClass::kOutOfPosition : CabinClass::kPassenger;
   }
-  CabinLayout depths;
-  depths.critical_m = layout.critical_m;
-  depths.out_of_position_m = layout.out_of_position_m;
-  truth.decision = decision_of(truth.seat_class, truth.dashboard_distance_m, depths);
+  truth.decision = decision_at(truth, truth.dashboard_distance_m, layout);
   return other;
 }
 

@@ -47,9 +47,7 @@ struct Moment {
 };
 
 cv::Mat image_at(const std::string& path) {
-  std::string reason;
-  const cv::Mat image = read_gray(path, reason);
-  if (image.empty()) throw Error(ErrorKind::kIo, reason, path);
+  const cv::Mat image = read_gray(path);
   if (image.depth() == CV_8U) return image;
   cv::Mat bytes;
   image.convertTo(bytes, CV_8U, 1.0 / 256.0);
@@ -74,13 +72,14 @@ class Reconstruction {
     const std::string& name = moment.name;
     require_size(left, setup_.left.camera.size, moment.left);
     require_size(right, setup_.right.camera.size, moment.right);
-    const StereoFrame frame = setup_.matcher.process(view_of(left), view_of(right), anchors_of(moment, left));
+    const std::span<const AnchorDot> dots = anchors_of(moment, left);
+    const StereoFrame frame = setup_.matcher.process(view_of(left), view_of(right), dots);
     nlohmann::ordered_json more = nlohmann::ordered_json::object();
     if (cabin_) more["cabin"] = cabin_->take(frame);
     if (exposure_) more["exposure"] = exposure_->advise(view_of(left));
     if (anchors_) {
       more["laser"] = {{"image", moment.lit},
-                       {"dots", anchors_of_last_},
+                       {"dots", dots.size()},
                        {"filled", frame.fused.filled},
                        {"contradicted", frame.fused.contradicted}};
     }
@@ -132,9 +131,7 @@ class Reconstruction {
     const bool itself = moment.lit == moment.left;
     const cv::Mat lit = itself ? left : image_at(moment.lit);
     require_size(lit, setup_.left.camera.size, moment.lit);
-    const std::span<const AnchorDot> dots = anchors_->take(lit, itself ? cv::Mat() : left);
-    anchors_of_last_ = dots.size();
-    return dots;
+    return anchors_->take(lit, itself ? cv::Mat() : left);
   }
 
   static void require_size(const cv::Mat& image, ImageSize size, const std::string& path) {
@@ -159,7 +156,6 @@ class Reconstruction {
   StereoSetup setup_;
   std::optional<CabinWatch> cabin_;
   std::optional<LaserAnchors> anchors_;
-  std::size_t anchors_of_last_ = 0;  // dots of the last frame
   std::optional<ExposureAdvice> exposure_;
   nlohmann::json page_ = nlohmann::json::array();
   int taken_ = 0;

@@ -16,11 +16,13 @@
 #include "occupancy_scenes.hpp"
 #include "raybundle/geometry/quantile.hpp"
 #include "raybundle/occupancy/head.hpp"
+#include "support/bar.hpp"
 
 namespace {
 
 using namespace raybundle;
 using namespace raybundle::apps;
+using namespace raybundle::bench;
 
 constexpr double kMostMedian_m = 0.008, kMost95_m = 0.020;
 constexpr double kLeastFound = 0.95, kMostFalse = 0.01, kLeastCovered = 0.90;
@@ -66,12 +68,6 @@ Trial trial(CockpitGenerator generator, CabinClass wanted, std::uint64_t seed) {
   return trial;
 }
 
-bool print(const char* what, double value, double bar, bool at_least, const char* unit, double scale) {
-  const bool good = at_least ? value >= bar : value <= bar;
-  std::printf("  %-36s %7.1f %-3s bar %6.1f  %s\n", what, scale * value, unit, scale * bar, good ? "ok" : "FAILS");
-  return good;
-}
-
 void print_errors(const char* what, std::vector<double>& errors_m) {
   std::printf("  %-36s %7.1f mm  median, 95 %% within %.1f mm\n", what, 1e3 * median(errors_m),
               1e3 * quantile(errors_m, 0.95));
@@ -104,13 +100,13 @@ bool prove(CockpitGenerator generator, const Group& group, int scenes) {
               generator == CockpitGenerator::kTraining ? "training" : "held-out", group.name, trials.size());
   bool good = true;
   if (visible > 0)
-    good &= print("heads that are seen well and found", 1.0 * visible_found / visible, kLeastFound, true, "%", 100);
-  if (empty > 0) good &= print("heads found where none is", 1.0 * wrong / empty, kMostFalse, false, "%", 100);
+    good &= at_least(kLeastFound, "heads that are seen well and found", 1.0 * visible_found / visible, kPercent);
+  if (empty > 0) good &= at_most(kMostFalse, "heads found where none is", 1.0 * wrong / empty, kPercent);
   if (!errors_m.empty()) {
-    good &= print("distance from the true front, median", median(errors_m), kMostMedian_m, false, "mm", 1e3);
-    good &= print("95 % quantile", quantile(errors_m, 0.95), kMost95_m, false, "mm", 1e3);
-    good &= print("within the 95 % ellipsoid of its sigma", covered / static_cast<double>(errors_m.size()),
-                  kLeastCovered, true, "%", 100);
+    good &= at_most(kMostMedian_m, "distance from the true front, median", median(errors_m), kMillimetres);
+    good &= at_most(kMost95_m, "95 % quantile", quantile(errors_m, 0.95), kMillimetres);
+    good &= at_least(kLeastCovered, "within the 95 % ellipsoid of its sigma",
+                     covered / static_cast<double>(errors_m.size()), kPercent);
     print_errors("of its centre", centre_errors_m);
     print_errors("of its foremost place", foremost_errors_m);
   }

@@ -18,11 +18,13 @@
 
 #include "occupancy_evaluation.hpp"
 #include "occupancy_learning.hpp"
+#include "support/bar.hpp"
 
 namespace {
 
 using namespace raybundle;
 using namespace raybundle::apps;
+using namespace raybundle::bench;
 
 constexpr double kMostDangerous = 0.001;
 constexpr double kDistance_m = 0.020;
@@ -49,13 +51,6 @@ std::function<void()> progress(std::string what, int all) {
   };
 }
 
-bool print(const char* what, double value, double bar, bool at_least, const char* unit, double scale) {
-  const bool good = at_least ? value >= bar : value <= bar;
-  std::printf("  %-44s %8.3f %-3s bar %8.3f  %s\n", what, scale * value, unit, scale * bar, good ? "ok" : "FAILS");
-  std::fflush(stdout);
-  return good;
-}
-
 bool is_laser(SensorKind kind) { return kind == SensorKind::kStructuredLight; }
 
 Evaluation evaluation_of(SensorKind kind, const CaseBase& base, const Split& split, int scenes, bool chain) {
@@ -71,13 +66,13 @@ Evaluation evaluation_of(SensorKind kind, const CaseBase& base, const Split& spl
 
 bool judge(SensorKind kind, const Evaluation& e, const Split& split) {
   const bool laser = is_laser(kind);
-  bool good = laser ? print("3 groups right, of answers", e.right_group.value(), split.least_groups, true, "%", 100)
-                    : print("8 classes right, of answers", e.right_class.value(), split.least_classes, true, "%", 100);
-  good &= print("dangerous fire", e.dangerous.value(), kMostDangerous, false, "%", 100);
+  bool good = laser ? at_least(split.least_groups, "3 groups right, of answers", e.right_group.value(), kPercent)
+                    : at_least(split.least_classes, "8 classes right, of answers", e.right_class.value(), kPercent);
+  good &= at_most(kMostDangerous, "dangerous fire", e.dangerous.value(), kPercent);
   if (laser && !e.distance_errors_m.empty()) {
     const double largest = std::abs(e.distance_errors_m.back());
-    good &= print("distance of the dot told, largest error", largest, kDistance_m, false, "mm", 1e3);
-    good &= print("a dot 20 mm nearer not told", e.nearer_missed.value(), 0.0, false, "%", 100);
+    good &= at_most(kDistance_m, "distance of the dot told, largest error", largest, kMillimetres);
+    good &= at_most(0.0, "a dot 20 mm nearer not told", e.nearer_missed.value(), kPercent);
   }
   std::printf(
       "  information: no answer: group %.2f %%, class %.2f %%; undecided %.2f %%; dangerous at most %.2f %% "
@@ -131,8 +126,8 @@ bool prove_seats(const Split& split, int scenes) {
                                            .threads = kThreads,
                                            .scene_done = progress("seats", scenes)});
   std::printf("stereo 128x128, %s: %d empty seats, %d frames each\n", split.name, scenes, kFrames);
-  bool good = print("seats found", e.found.value(), kLeastSeats, true, "%", 100);
-  good &= print("of them within 1 cm and 2 degrees", e.right.value(), kLeastSeats, true, "%", 100);
+  bool good = at_least(kLeastSeats, "seats found", e.found.value(), kPercent);
+  good &= at_least(kLeastSeats, "of them within 1 cm and 2 degrees", e.right.value(), kPercent);
   std::printf("  information: bight within two of its sigmas: %.1f %%\n", 100 * e.within_two_sigmas.value());
   return good;
 }

@@ -13,11 +13,13 @@
 #include "each_index.hpp"
 #include "occupancy_scenes.hpp"
 #include "raybundle/occupancy/seat_fit.hpp"
+#include "support/bar.hpp"
 
 namespace {
 
 using namespace raybundle;
 using namespace raybundle::apps;
+using namespace raybundle::bench;
 
 constexpr double kMost_m = 0.01, kMost_rad = 2 * M_PI / 180, kLeastFound = 0.95, kLeastRight = 0.95;
 constexpr double kMostFalse = 0.01, kFrame_s = 0.1;
@@ -50,13 +52,6 @@ Trial trial(CockpitGenerator generator, std::uint64_t seed, int empty_frames, Ca
           .covered = (off.cwiseAbs().array() < 3.0 * seat.bight_sigma_m.array()).all()};
 }
 
-bool print(const char* what, double value, double bar, bool at_least) {
-  const bool good = at_least ? value >= bar : value <= bar;
-  std::printf("  %-52s %6.1f %%  bar %5.1f  %s\n", what, 100 * value, 100 * bar, good ? "ok" : "FAILS");
-  std::fflush(stdout);
-  return good;
-}
-
 bool prove(CockpitGenerator generator, int scenes) {
   constexpr CabinClass kOccupied[] = {CabinClass::kPassenger, CabinClass::kOutOfPosition, CabinClass::kChildInBooster,
                                       CabinClass::kForwardBabySeat};
@@ -76,11 +71,11 @@ bool prove(CockpitGenerator generator, int scenes) {
       wrong += trial.found && !trial.right && !trial.covered;
     }
     if (empty_frames > 0) {
-      good &= print("seats told", found / scenes, kLeastFound, true);
-      good &= print("of them within 1 cm and 2 degrees", right / std::max(1.0, found), kLeastRight, true);
+      good &= at_least(kLeastFound, "seats told", found / scenes, kPercent);
+      good &= at_least(kLeastRight, "of them within 1 cm and 2 degrees", right / std::max(1.0, found), kPercent);
     } else {
       std::printf("never seen empty: %.1f %% told\n", 100 * found / scenes);
-      good &= print("told, wrong, and beyond three of their sigmas", wrong / scenes, kMostFalse, false);
+      good &= at_most(kMostFalse, "told, wrong, and beyond three of their sigmas", wrong / scenes, kPercent);
     }
   }
   return good;

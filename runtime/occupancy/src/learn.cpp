@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <thread>
 #include <utility>
 
 #include "embedding_search.hpp"
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/wilson.hpp"
 
 namespace raybundle {
 namespace {
@@ -91,17 +91,16 @@ Told told(const Votes& votes, int truth) {
 }
 
 // The least votes such that of all answers with as many the wanted share is right, at 95 % confidence; 1 when there are
-// none: then only what no vote speaks against is told. Lower bound of a share: Wilson 1927.
+// none: then only what no vote speaks against is told.
 double least_sure(std::vector<Told> answers, double wanted) {
-  constexpr double kZ = 1.645;
+  constexpr double kSigmas = -1.645;
   std::ranges::sort(answers, [](const Told& a, const Told& b) { return a.votes > b.votes; });
   double least = 1.0, right = 0.0;
   for (std::size_t i = 0; i < answers.size(); ++i) {
     right += answers[i].right;
-    const double n = static_cast<double>(i) + 1.0, p = right / n, z2 = kZ * kZ;
-    const double low = (p + z2 / (2 * n) - kZ * std::sqrt(p * (1 - p) / n + z2 / (4 * n * n))) / (1 + z2 / n);
+    const double told = static_cast<double>(i) + 1.0;
     const bool last_of_its_votes = i + 1 == answers.size() || answers[i + 1].votes < answers[i].votes;
-    if (last_of_its_votes && low >= wanted) least = answers[i].votes;
+    if (last_of_its_votes && wilson_bound(right / told, told, kSigmas) >= wanted) least = answers[i].votes;
   }
   return least;
 }

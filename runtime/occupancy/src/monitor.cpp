@@ -97,10 +97,10 @@ void OccupancyMonitor::vote(Occupancy& now) {
       if (base_.situations[c].inert) votes[c] = 0.0;
       left += votes[c];
     }
-    if (left <= 0.0) now.verdict.known = false;
-    for (double& vote : votes) vote = left > 0.0 ? vote / left : 0.0;
+    now.verdict.known = left > 0.0;
+    if (!now.verdict.known) return;
+    for (double& vote : votes) vote /= left;
   }
-  if (!now.verdict.known) return;
   const auto situation = std::ranges::max_element(votes);
   now.confidence = *situation;
   if (*situation >= base_.sure_of_situation) now.situation = static_cast<int>(situation - votes.begin());

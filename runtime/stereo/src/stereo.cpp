@@ -96,9 +96,9 @@ StereoFrame StereoMatcher::process(GreyView left, GreyView right, std::span<cons
       own.matcher.match(frame.left, frame.right, own.left_table.covered.data(), own.right_table.covered.data());
   if (own.fusion) frame.fused = own.fusion->fuse(frame.left, frame.disparity, dots);
   for (int v = 0; v < own.points.size.height; ++v) {
-    const float* disparity_px = own.fusion ? frame.fused.disparity_px.row(v) : frame.disparity.disparity_px.row(v);
     const float* sigma_px = own.fusion ? frame.fused.sigma_px.row(v) : own.match_sigma_px.data();
-    own.cloud.triangulate_row(v, own.left_table.extent(v), disparity_px, sigma_px, own.points.view().row(v));
+    own.cloud.triangulate_row(v, own.left_table.extent(v), frame.disparity_px().row(v), sigma_px,
+                              own.points.view().row(v));
   }
   frame.points = own.points.seen();
   frame.state = frame.disparity.matched < own.options.least_matched * own.covered ? State::kDegraded : State::kOk;
