@@ -42,6 +42,9 @@ double view_cost(const LensFunctions& lens, const double* parameters, const Poin
   return cost;
 }
 
+// Of the cost: an iteration that lowers it by less is the last one; one that promises less is not tried.
+constexpr double kLastDecrease = 1e-5, kNoDecrease = 1e-6;
+
 constexpr int kLanes = 4;
 constexpr int kMaxColumns = (kMaxLensParameters + 7 + kLanes - 1) / kLanes * kLanes;
 
@@ -159,6 +162,7 @@ void damp(Matrix& matrix, double lambda) {
 struct Step {
   LensVector lens;
   std::vector<Vector6> poses;
+  double decrease = 0.0;  ///< of the cost, that the equations promise
 };
 
 /// Back substitution: the poses' steps for the lens's.
@@ -168,6 +172,7 @@ bool solve_poses(const std::vector<ViewEquations>& equations, const std::vector<
   for (std::size_t v = 0; v < factors.size(); ++v) {
     step.poses[v] = factors[v].solve(equations[v].pose_right - equations[v].cross.transpose() * step.lens);
     if (!step.poses[v].allFinite()) return false;
+    step.decrease += equations[v].pose_right.dot(step.poses[v]);
   }
   return true;
 }
@@ -183,6 +188,7 @@ bool solve_step(const std::vector<ViewEquations>& equations, const LensBundleOpt
     right += view.lens_right;
   }
   add_priors(options, parameters, normal, right);
+  const LensVector right_of_lens = right;
   damp(normal, lambda);
   std::vector<Eigen::LLT<Matrix6>> factors;
   if (!options.poses_fixed) {
@@ -200,12 +206,14 @@ bool solve_step(const std::vector<ViewEquations>& equations, const LensBundleOpt
   }
   if (options.lens_fixed) {
     step.lens.setZero(n);
+    step.decrease = 0.0;
     return solve_poses(equations, factors, step);
   }
   const LensVector scale = normal.diagonal().cwiseMax(1e-30).cwiseSqrt().cwiseInverse();
   const LensMatrix scaled = scale.asDiagonal() * normal * scale.asDiagonal();
   step.lens = scale.cwiseProduct(LensVector(scaled.ldlt().solve(scale.cwiseProduct(right))));
   if (!step.lens.allFinite()) return false;
+  step.decrease = right_of_lens.dot(step.lens);
   return solve_poses(equations, factors, step);
 }
 
@@ -255,6 +263,7 @@ LensBundleSummary refine_lens(const LensFunctions& lens, const std::vector<Point
     bool converged = false;
     while (!improved && lambda < 1e10) {
       if (solve_step(equations, options, parameters, lambda, step)) {
+        if (step.decrease < kNoDecrease * summary.cost) break;
         const LensVector moved = parameters + step.lens;
         std::vector<Rigid3> moved_poses = poses;
         if (!options.poses_fixed) {
@@ -262,7 +271,7 @@ LensBundleSummary refine_lens(const LensFunctions& lens, const std::vector<Point
         }
         const double cost = total_cost(moved, moved_poses);
         if (cost < summary.cost) {
-          converged = summary.cost - cost < 1e-5 * summary.cost;
+          converged = summary.cost - cost < kLastDecrease * summary.cost;
           summary.cost = cost;
           parameters = moved;
           poses = std::move(moved_poses);

@@ -16,7 +16,8 @@ namespace raybundle {
 namespace {
 
 constexpr double kMaxDistancePx = 100.0;    ///< a corner that does not project counts like one that is this far off
-constexpr std::size_t kQuickViews = 6;      ///< for the first, coarse sweep
+constexpr std::size_t kSweepViews = 3;      ///< for the first, coarse sweep
+constexpr std::size_t kQuickViews = 6;      ///< for what is best in it
 constexpr std::size_t kQuickCorners = 12;   ///< of each of them
 constexpr double kGoodFitOfWidth = 1.2e-3;  ///< of the image: a lens that leaves more may be the wrong one
 constexpr int kAlpha = 4;                   ///< index of StartLens's profile in the parameters
@@ -65,6 +66,13 @@ LensGuess guess_with(double alpha, double focal, const Eigen::Vector2d& centre, 
   }
   guess.score_px = robust_score(start_lens(), guess.parameters.data(), views, guess.poses);
   return guess;
+}
+
+/// The same lens with more views.
+LensGuess posed_anew(const LensGuess& guess, const std::vector<PointsInView>& views,
+                     const std::vector<PrincipalFrame>& frames, int iterations) {
+  const Eigen::Vector2d centre = guess.parameters.segment<2>(2);
+  return guess_with(guess.parameters[kAlpha], guess.parameters[0], centre, views, frames, iterations);
 }
 
 /// What is known of any lens before it is seen, as weak priors; `bent` frees the polynomial and the aspect ratio.
@@ -160,14 +168,18 @@ std::optional<LensGuess> search_lens_quickly(const std::vector<PointsInView>& vi
     few.push_back(thinned(views[v], kQuickCorners));
   }
   const std::vector<PrincipalFrame> few_frames = frames_of(few);
-  std::vector<LensGuess> guesses = sweep({0.0, 0.4, 0.65, 0.85}, 1.35, few, few_frames, size, 2);
+  const std::vector<PointsInView> fewest(few.begin(), few.begin() + std::min(kSweepViews, few.size()));
+  std::vector<LensGuess> guesses = sweep({0.0, 0.4, 0.65, 0.85}, 1.35, fewest, few_frames, size, 2);
   guesses = best_and_different(std::move(guesses), 3);
-  for (LensGuess& guess : guesses) refine(few, size, false, 8, guess);
+  for (LensGuess& guess : guesses) {
+    guess = posed_anew(guess, few, few_frames, 2);
+    refine(few, size, false, 8, guess);
+  }
   const double best_px = std::ranges::min_element(guesses, {}, &LensGuess::score_px)->score_px;
   std::erase_if(guesses, [&](const LensGuess& guess) { return guess.score_px > 2.0 * best_px + 1.0; });
+  guesses = best_and_different(std::move(guesses), guesses.size());  // most have come to the same lens
   for (LensGuess& guess : guesses) {
-    const Eigen::Vector2d centre = guess.parameters.segment<2>(2);
-    guess = guess_with(guess.parameters[kAlpha], guess.parameters[0], centre, views, frames, 4);
+    guess = posed_anew(guess, views, frames, 4);
     refine(views, size, false, 4, guess);
   }
   LensGuess best = *std::ranges::min_element(guesses, {}, &LensGuess::score_px);

@@ -30,7 +30,7 @@ std::optional<Rigid3> with_best_translation(const Eigen::Matrix3d& rotation, std
 /// between theirs, which is as good a start as either.
 template <typename Matrix>
 Eigen::Matrix<double, Matrix::RowsAtCompileTime, 1> smallest_eigenvector(Matrix matrix) {
-  constexpr int kIterations = 6;
+  constexpr int kIterations = 3;
   matrix.diagonal().array() += 1e-10 * matrix.trace();
   const Eigen::LLT<Matrix> factor(matrix);
   Eigen::Matrix<double, Matrix::RowsAtCompileTime, 1> vector;

@@ -13,9 +13,17 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-/// Cost of a pose, and the normal equations of its rotation and translation when asked for.
+constexpr double kNoDecrease = 1e-13;  ///< of the cost: rounding
+
+/// Normal equations of a pose's rotation and translation.
+struct PoseEquations {
+  Matrix6 hessian = Matrix6::Zero();
+  Vector6 gradient = Vector6::Zero();
+};
+
+/// Cost of a pose, and its equations when asked for.
 double chord_cost(std::span<const Eigen::Vector3d> points, std::span<const Eigen::Vector3d> rays, const Rigid3& pose,
-                  double scale, Matrix6* hessian, Vector6* gradient) {
+                  double scale, PoseEquations* equations = nullptr) {
   const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
   const double scale2 = scale * scale;
   double cost = 0.0;
@@ -32,18 +40,23 @@ double chord_cost(std::span<const Eigen::Vector3d> points, std::span<const Eigen
     const double chord2 = chord.squaredNorm();
     const double damping = scale > 0 ? scale2 / (scale2 + chord2) : 1.0;
     cost += chord2 * damping;
-    if (!hessian) continue;
-    const double weight = damping * damping;
-    const Eigen::Matrix3d a =
-        (Eigen::Matrix3d::Identity() - direction * direction.transpose()) * (weight / (distance * distance));
-    const Eigen::Vector3d b = (chord - direction * direction.dot(chord)) * (weight / distance);
-    const Eigen::Matrix3d cross = skew(arm);
-    const Eigen::Matrix3d cross_a = cross * a;
-    hessian->topLeftCorner<3, 3>() -= cross_a * cross;
-    hessian->topRightCorner<3, 3>() += cross_a;
-    hessian->bottomRightCorner<3, 3>() += a;
-    gradient->head<3>() += arm.cross(b);
-    gradient->tail<3>() += b;
+    if (!equations) continue;
+    // With a = I - d dᵀ: [arm]× a = [arm]× - (arm × d) dᵀ, and [arm]× a [arm]×ᵀ = |arm|² I - arm armᵀ - (arm × d)(arm ×
+    // d)ᵀ.
+    const double weight = damping * damping / distance, weight2 = weight / distance;
+    const Eigen::Vector3d across = arm.cross(direction);
+    Matrix6& hessian = equations->hessian;
+    hessian.topLeftCorner<3, 3>() -= weight2 * (arm * arm.transpose() + across * across.transpose());
+    hessian.diagonal().head<3>().array() += weight2 * arm.squaredNorm();
+    hessian.topRightCorner<3, 3>() += weight2 * (skew(arm) - across * direction.transpose());
+    hessian.bottomRightCorner<3, 3>() -= weight2 * direction * direction.transpose();
+    hessian.diagonal().tail<3>().array() += weight2;
+    const Eigen::Vector3d b = weight * (chord - direction * direction.dot(chord));
+    equations->gradient.head<3>() += arm.cross(b);
+    equations->gradient.tail<3>() += b;
+  }
+  if (equations) {
+    equations->hessian.bottomLeftCorner<3, 3>() = equations->hessian.topRightCorner<3, 3>().transpose();
   }
   return cost;
 }
@@ -54,25 +67,25 @@ double refine_on_rays(std::span<const Eigen::Vector3d> points_in_target,
                       std::span<const Eigen::Vector3d> rays_in_camera, Rigid3& pose, int max_iterations,
                       double scale_rad, double settled) {
   double lambda = 1e-6;
-  double cost = chord_cost(points_in_target, rays_in_camera, pose, scale_rad, nullptr, nullptr);
+  PoseEquations equations;
+  double cost = chord_cost(points_in_target, rays_in_camera, pose, scale_rad, &equations);
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
-    Matrix6 hessian = Matrix6::Zero();
-    Vector6 gradient = Vector6::Zero();
-    chord_cost(points_in_target, rays_in_camera, pose, scale_rad, &hessian, &gradient);
-    hessian.bottomLeftCorner<3, 3>() = hessian.topRightCorner<3, 3>().transpose();
     bool improved = false;
     bool converged = false;
     while (!improved && lambda < 1e8) {
-      Matrix6 damped = hessian;
+      Matrix6 damped = equations.hessian;
       damped.diagonal() *= 1.0 + lambda;
-      const Vector6 step = damped.ldlt().solve(-gradient);
-      if (!step.allFinite()) break;
+      const Vector6 step = damped.ldlt().solve(-equations.gradient);
+      const double decrease = -equations.gradient.dot(step);  // that the equations promise
+      if (!(decrease > kNoDecrease * cost)) break;
       const Rigid3 moved = perturbed(pose, step);
-      const double moved_cost = chord_cost(points_in_target, rays_in_camera, moved, scale_rad, nullptr, nullptr);
+      PoseEquations moved_equations;
+      const double moved_cost = chord_cost(points_in_target, rays_in_camera, moved, scale_rad, &moved_equations);
       if (moved_cost < cost) {
         converged = cost - moved_cost < settled * cost;
         pose = moved;
         cost = moved_cost;
+        equations = moved_equations;
         lambda = std::max(lambda * 0.1, 1e-12);
         improved = true;
       } else {
@@ -81,13 +94,7 @@ double refine_on_rays(std::span<const Eigen::Vector3d> points_in_target,
     }
     if (!improved || converged) break;
   }
-  if (scale_rad > 0) cost = chord_cost(points_in_target, rays_in_camera, pose, 0.0, nullptr, nullptr);
-  return std::sqrt(cost / static_cast<double>(std::max<std::size_t>(points_in_target.size(), 1)));
-}
-
-double cost_on_rays(std::span<const Eigen::Vector3d> points_in_target, std::span<const Eigen::Vector3d> rays_in_camera,
-                    const Rigid3& pose, double scale_rad) {
-  return chord_cost(points_in_target, rays_in_camera, pose, scale_rad, nullptr, nullptr);
+  return cost;
 }
 
 }  // namespace raybundle

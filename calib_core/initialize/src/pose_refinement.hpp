@@ -14,13 +14,9 @@ namespace raybundle {
 /// @param pose        camera_from_target, improved in place
 /// @param scale_rad   scale of a Geman-McClure loss, so that wrong pairs lose their pull; 0: plain least squares
 /// @param settled     stops when an iteration lowers the cost by less than this share
-/// @return            root mean square of the chords [rad for small angles], plain
+/// @return            what is minimised: the sum of the squared chords [rad² for small angles], each damped by the loss
 double refine_on_rays(std::span<const Eigen::Vector3d> points_in_target,
                       std::span<const Eigen::Vector3d> rays_in_camera, Rigid3& pose, int max_iterations,
                       double scale_rad = 0.0, double settled = 1e-9);
-
-/// What refine_on_rays minimises: sum of the squared chords, each damped by the loss.
-double cost_on_rays(std::span<const Eigen::Vector3d> points_in_target, std::span<const Eigen::Vector3d> rays_in_camera,
-                    const Rigid3& pose, double scale_rad);
 
 }  // namespace raybundle

@@ -83,7 +83,8 @@ std::vector<TargetPose> target_pose(std::span<const Eigen::Vector3d> points_in_t
 
   std::vector<TargetPose> poses;
   const auto refine = [&](Rigid3 pose) {
-    const double rms = refine_on_rays(points_in_target, rays_in_camera, pose, kRefineIterations);
+    const double squares = refine_on_rays(points_in_target, rays_in_camera, pose, kRefineIterations);
+    const double rms = std::sqrt(squares / static_cast<double>(points_in_target.size()));
     if (in_front(points_in_target, rays_in_camera, pose)) add(poses, {pose, rms});
   };
   for (const Rigid3& start : starting_poses(points_in_target, rays_in_camera, frame)) {

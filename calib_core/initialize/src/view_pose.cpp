@@ -14,9 +14,9 @@
 namespace raybundle {
 namespace {
 
-constexpr std::size_t kPlainCorners = 20;  ///< of a view, for the pose that is tried first
+constexpr std::size_t kPlainCorners = 16;  ///< of a view, for the pose that is tried first
 
-constexpr double kSettled = 1e-5;  ///< of the cost: the bundle does the rest
+constexpr double kSettled = 1e-3;  ///< of the cost: the bundle does the rest
 
 /// Angle [rad] of one pixel where the view's corners are: the median over some of them.
 double angle_of_pixel(const LensFunctions& lens, const double* parameters, const PointsInView& view) {
@@ -88,14 +88,14 @@ std::optional<Rigid3> plain_pose(const LensFunctions& lens, const double* parame
       flat ? linear_planar_pose(seen.points, seen.rays, frame) : linear_spatial_pose(seen.points, seen.rays, frame);
   if (!linear) return std::nullopt;
   Rigid3 pose = *linear;
-  refine_on_rays(seen.points, seen.rays, pose, 10, scale_rad, kSettled);
+  const auto refine = [&](Rigid3& some, int iterations) {
+    return refine_on_rays(seen.points, seen.rays, some, iterations, scale_rad, kSettled);
+  };
+  const double cost = refine(pose, 10);
   if (!flat) return pose;
-  const double cost = cost_on_rays(seen.points, seen.rays, pose, scale_rad);
   Rigid3 mirrored = mirrored_pose(pose, frame);
-  refine_on_rays(seen.points, seen.rays, mirrored, 2, scale_rad);
-  if (cost_on_rays(seen.points, seen.rays, mirrored, scale_rad) > 4.0 * cost) return pose;
-  refine_on_rays(seen.points, seen.rays, mirrored, 10, scale_rad, kSettled);
-  return cost_on_rays(seen.points, seen.rays, mirrored, scale_rad) < cost ? mirrored : pose;
+  if (refine(mirrored, 2) > 4.0 * cost) return pose;
+  return refine(mirrored, 10) < cost ? mirrored : pose;
 }
 
 std::string text(const char* format, double value) {

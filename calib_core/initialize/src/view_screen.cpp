@@ -31,16 +31,20 @@ std::vector<std::size_t> thinned_indices(const PointsInView& view, std::size_t c
     return chosen;
   }
   chosen.reserve(count + 4);
-  for (const Eigen::Vector2d& direction :
-       {Eigen::Vector2d(1, 1), Eigen::Vector2d(1, -1), Eigen::Vector2d(-1, 1), Eigen::Vector2d(-1, -1)}) {
-    std::size_t extreme = 0;
-    for (std::size_t i = 1; i < size; ++i) {
-      if (direction.dot(view.pixels[i]) > direction.dot(view.pixels[extreme])) extreme = i;
-    }
-    chosen.push_back(extreme);
+  const auto sum = [&](std::size_t i) { return view.pixels[i].x() + view.pixels[i].y(); };
+  const auto difference = [&](std::size_t i) { return view.pixels[i].x() - view.pixels[i].y(); };
+  std::array<std::size_t, 4> extreme{};
+  for (std::size_t i = 1; i < size; ++i) {
+    if (sum(i) > sum(extreme[0])) extreme[0] = i;
+    if (sum(i) < sum(extreme[1])) extreme[1] = i;
+    if (difference(i) > difference(extreme[2])) extreme[2] = i;
+    if (difference(i) < difference(extreme[3])) extreme[3] = i;
   }
+  chosen.assign(extreme.begin(), extreme.end());
+  double place = 0.0;
   for (std::size_t k = 0; k < count; ++k) {
-    const double place = std::fmod(0.6180339887498949 * static_cast<double>(k + 1), 1.0);
+    place += 0.6180339887498949;
+    if (place >= 1.0) place -= 1.0;
     chosen.push_back(static_cast<std::size_t>(place * static_cast<double>(size)));
   }
   std::ranges::sort(chosen);
@@ -50,6 +54,8 @@ std::vector<std::size_t> thinned_indices(const PointsInView& view, std::size_t c
 
 PointsInView selected(const PointsInView& view, const std::vector<std::size_t>& indices) {
   PointsInView kept;
+  kept.points.reserve(indices.size());
+  kept.pixels.reserve(indices.size());
   for (const std::size_t i : indices) {
     kept.points.push_back(view.points[i]);
     kept.pixels.push_back(view.pixels[i]);

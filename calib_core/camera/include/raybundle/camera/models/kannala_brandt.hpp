@@ -82,10 +82,14 @@ struct KannalaBrandt {
 
   static bool ray_from_plane(const double* k, const double* plane, double* ray) {
     const double r = std::hypot(plane[0], plane[1]);
-    const double high = max_angle_rad(k);
-    if (!(r <= radius(k, high))) return false;
     const auto profile = [k](double angle) { return ValueAndSlope{radius(k, angle), radius_slope(k, angle)}; };
-    const double angle = solve_increasing(profile, r, 0.0, high, std::min(r, high));
+    double angle = solve_increasing(profile, r, 0.0, M_PI, std::min(r, M_PI));
+    const bool first = std::abs(radius(k, angle) - r) <= 1e-12 * r && grows_up_to(k, angle);
+    if (!first) {  // near or beyond the end of the field
+      const double high = max_angle_rad(k);
+      if (!(r <= radius(k, high))) return false;
+      angle = solve_increasing(profile, r, 0.0, high, std::min(r, high));
+    }
     const double scale = r > 0 ? std::sin(angle) / r : 1.0;
     ray[0] = scale * plane[0];
     ray[1] = scale * plane[1];
@@ -94,12 +98,21 @@ struct KannalaBrandt {
   }
 
   static double max_angle_rad(const double* k) {
-    const std::array<double, 5> slope{1.0, 3 * k[0], 5 * k[1], 7 * k[2], 9 * k[3]};  // in powers of the angle squared
-    const double root = first_root(bernstein_to_limit(slope, M_PI * M_PI));
+    const double root = first_root(bernstein_to_limit(slope_in_squares(k), M_PI * M_PI));
     return root < 1.0 ? M_PI * std::sqrt(root) : M_PI;
   }
 
  private:
+  /// The radius' slope in powers of the angle squared.
+  static std::array<double, 5> slope_in_squares(const double* k) {
+    return {1.0, 3 * k[0], 5 * k[1], 7 * k[2], 9 * k[3]};
+  }
+
+  /// Whether the radius grows all the way; quick, and false when that is not plain.
+  static bool grows_up_to(const double* k, double angle) {
+    return std::ranges::all_of(bernstein_to_limit(slope_in_squares(k), angle * angle), [](double c) { return c > 0; });
+  }
+
   template <typename T>
   static T radius(const T* k, const T& angle) {
     const T a2 = angle * angle;
