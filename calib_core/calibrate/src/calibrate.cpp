@@ -121,7 +121,7 @@ CalibrationResult calibrate_in_order(const CalibrationProblem& problem, const Ca
     reasons.push_back(alone.reasons[v]);
   }
   const RigStart rig = rig_start(sub.problem, camera_from_target, mirrored, result.stages);
-  sub.problem = relabelled(sub.problem, rig.symmetry_of_view);
+  relabel(sub.problem, rig.symmetry_of_view);
 
   // One bundle for everything.
   BundleState state = rig_state(sub.problem, alone, cameras, rig, fates);

@@ -17,6 +17,7 @@ namespace {
 constexpr std::size_t kMostRays = 400;  // of the lens's field, spread over the views
 constexpr int kRounds = 2;              // from a lower optimum once more
 constexpr double kAlikeSigmas = 3.0;    // two optima of the same corners differ by no more in where they project
+constexpr double kLeastAlikePx = 0.5;
 constexpr double kMostAlikePx = 3.0;
 constexpr double kWonBack = 4.0;         // squared sigmas that a turned board may cost at first
 constexpr std::size_t kMostTried = 4;    // boards that are turned one by one
@@ -24,6 +25,7 @@ constexpr std::size_t kMostViews = 100;  // of which one could move the camera
 constexpr std::size_t kOfEachSide = 4;   // cameras along the valley
 constexpr double kReadmitted = 4.0;      // times the limit of outliers
 constexpr double kMirroredGain = 1e-6;   // relative: by which a mirrored board's squares must be smaller
+constexpr double kSameNoise = 1.02;      // another lens that leaves more in the corners is none for them
 
 /// The corners in use of a view.
 struct UsedCorners {
@@ -119,10 +121,10 @@ bool try_mirrored_boards(const CalibrationProblem& single, BundleState& state, s
 // the valleys that begin here and there.
 std::vector<Camera> cameras_alike(const CalibrationProblem& single, const BundleState& state, double sigma_px) {
   const std::vector<Eigen::Vector3d> rays = rays_seen(single, state);
-  std::vector<Camera> alike = twin_cameras(state.cameras[0], rays);
+  const double alike_px = std::min(kAlikeSigmas * sigma_px, kMostAlikePx);
+  std::vector<Camera> alike = twin_cameras(state.cameras[0], rays, std::max(alike_px, kLeastAlikePx));
   std::vector<Camera> starts{state.cameras[0]};
   if (!alike.empty()) starts.push_back(alike.front());
-  const double alike_px = std::min(kAlikeSigmas * sigma_px, kMostAlikePx);
   for (const Camera& start : starts) {
     std::ranges::copy(cameras_along_valley(start, rays, alike_px, kOfEachSide), std::back_inserter(alike));
   }
@@ -153,6 +155,40 @@ bool readmit_corners(const CalibrationProblem& single, BundleState& state, const
   std::vector<std::string> other_reasons = reasons;
   const BundleSummary of_other = solve_without_outliers(single, other, options, false, other_reasons);
   if (of_other.termination == Termination::kFailed || count_used(other) <= count_used(state)) return false;
+  state = std::move(other);
+  reasons = std::move(other_reasons);
+  summary = of_other;
+  return true;
+}
+
+// Corners that a lens does not project, beyond a pole of its profile say, cannot pull it back: it may have made room
+// for the others at their cost. Fits the lens anew to all corners and takes it when it keeps more of them as well.
+bool win_back_unprojectable(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
+                            std::vector<std::string>& reasons, BundleSummary& summary) {
+  std::vector<Eigen::Vector3d> rays;
+  std::vector<Eigen::Vector2d> pixels;
+  bool lost = false;
+  for (std::size_t v = 0; v < single.views.size(); ++v) {
+    if (state.pose_of_view[v] < 0) continue;
+    const TargetView& view = single.views[v];
+    for (std::size_t i = 0; i < view.observations.size(); ++i) {
+      if (state.fates[v][i] == ObservationFate::kOutlier) continue;
+      lost = lost || state.fates[v][i] == ObservationFate::kUnprojectable;
+      const Eigen::Vector3d point = single.targets[view.target].find(view.observations[i].point_id)->x_in_target;
+      rays.push_back((state.poses[state.pose_of_view[v]].rig_from_target * point).normalized());
+      pixels.push_back(view.observations[i].pixel);
+    }
+  }
+  if (!lost) return false;
+  BundleState other = state;
+  other.cameras[0] = fitted_anew(state.cameras[0], rays, pixels);
+  mark_projectable(single, other);
+  if (count_used(other) <= count_used(state)) return false;
+  if (solve_robustly(single, other, options).termination == Termination::kFailed) return false;
+  std::vector<std::string> other_reasons = reasons;
+  const BundleSummary of_other = solve_without_outliers(single, other, options, false, other_reasons);
+  if (of_other.termination == Termination::kFailed || count_used(other) <= count_used(state)) return false;
+  if (!(robust_sigmas(single, other)[0] <= kSameNoise * robust_sigmas(single, state)[0])) return false;
   state = std::move(other);
   reasons = std::move(other_reasons);
   summary = of_other;
@@ -195,6 +231,7 @@ CameraOptimum leave_local_optima(const CalibrationProblem& single, BundleState& 
   if (try_mirrored_boards(single, state, std::move(mirrored), options, summary)) {
     summary = solve_without_outliers(single, state, options, false, reasons, summary);
   }
+  win_back_unprojectable(single, state, options, reasons, summary);
   std::optional<double> sigma_px;  // of the state as it is
   for (int round = 0; round < kRounds && !failed(); ++round) {
     sigma_px = projection_sigma_px(single, state, options.threads);

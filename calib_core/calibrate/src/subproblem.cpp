@@ -51,17 +51,15 @@ Subproblem select_cameras(const CalibrationProblem& whole, const std::vector<int
   return sub;
 }
 
-CalibrationProblem relabelled(const CalibrationProblem& problem, const std::vector<int>& symmetry_of_view) {
-  CalibrationProblem right = problem;
-  for (std::size_t v = 0; v < right.views.size(); ++v) {
+void relabel(CalibrationProblem& problem, const std::vector<int>& symmetry_of_view) {
+  for (std::size_t v = 0; v < problem.views.size(); ++v) {
     if (symmetry_of_view[v] < 0) continue;
-    const Target& target = right.targets[right.views[v].target];
+    const Target& target = problem.targets[problem.views[v].target];
     const TargetSymmetry& symmetry = target.symmetries[symmetry_of_view[v]];
-    for (Observation& observation : right.views[v].observations) {
+    for (Observation& observation : problem.views[v].observations) {
       observation.point_id = symmetry.ids[target.find(observation.point_id) - target.points.data()];
     }
   }
-  return right;
 }
 
 void scale_corners(CalibrationProblem& problem, double scale) {

@@ -23,10 +23,10 @@ struct Subproblem {
 /// @param cameras  indices in ascending order; the first one's frame becomes the rig frame
 Subproblem select_cameras(const CalibrationProblem& whole, const std::vector<int>& cameras);
 
-/// The same problem with the point ids of mislabelled views of symmetric boards put right.
+/// Puts right the point ids of mislabelled views of symmetric boards.
 ///
 /// @param symmetry_of_view  as in RigStart
-CalibrationProblem relabelled(const CalibrationProblem& problem, const std::vector<int>& symmetry_of_view);
+void relabel(CalibrationProblem& problem, const std::vector<int>& symmetry_of_view);
 
 /// Multiplies the sigma of every corner; exact data keep one that rounding does not exceed.
 void scale_corners(CalibrationProblem& problem, double scale);

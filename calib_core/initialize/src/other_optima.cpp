@@ -15,7 +15,6 @@ namespace raybundle {
 namespace {
 
 constexpr std::size_t kSamples = 80;  ///< rays that twins are compared on
-constexpr double kAlikePx = 0.5;      ///< mean distance of the projections of twins
 constexpr double kFarTimes = 3.0;     ///< the linear prediction exceeds what is seen by this factor between twins ...
 constexpr double kFarPx = 0.3;        ///< ... and this much
 
@@ -47,7 +46,8 @@ Rigid3 turned_about_length(const Rigid3& camera_from_target, const PrincipalFram
 
 }  // namespace
 
-std::vector<Camera> twin_cameras(const Camera& camera, const std::vector<Eigen::Vector3d>& rays_in_camera) {
+std::vector<Camera> twin_cameras(const Camera& camera, const std::vector<Eigen::Vector3d>& rays_in_camera,
+                                 double alike_px) {
   const LensFunctions lens = lens_functions(camera.model);
   const PointsInView field = field_seen(camera, rays_in_camera, kSamples);
   std::vector<Camera> twins;
@@ -65,7 +65,7 @@ std::vector<Camera> twin_cameras(const Camera& camera, const std::vector<Eigen::
     const auto count = static_cast<double>(field.points.size());
     const double seen_px = std::sqrt(sum_of_squares(lens, other, field, Rigid3{}) / count);
     const LensVector step = other - LensVector(camera.parameters);
-    if (!(seen_px < kAlikePx)) continue;
+    if (!(seen_px < alike_px)) continue;
     // From both ends: between twins lies a place, perhaps this one, where the step moves no pixel at first.
     const double predicted2 = std::max(step.dot(information * step), step.dot(information_at(other) * step));
     const double predicted_px = std::sqrt(std::max(0.0, predicted2) / count);
@@ -77,6 +77,11 @@ std::vector<Camera> twin_cameras(const Camera& camera, const std::vector<Eigen::
     if (!known) twins.push_back({camera.model, camera.size, other});
   }
   return twins;
+}
+
+Camera fitted_anew(const Camera& camera, const std::vector<Eigen::Vector3d>& rays_in_camera,
+                   const std::vector<Eigen::Vector2d>& pixels) {
+  return {camera.model, camera.size, fit_model(camera.model, {rays_in_camera, pixels}, camera.parameters)};
 }
 
 std::optional<MirroredPose> find_mirrored_pose(const Camera& camera, std::span<const Eigen::Vector3d> points_in_target,

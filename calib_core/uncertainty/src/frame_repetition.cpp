@@ -5,7 +5,6 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <tuple>
 
 #include "pose_information.hpp"
@@ -33,10 +32,24 @@ using Frame = std::vector<Corner>;  // sorted by which()
 
 void append(const ViewData& view, const Eigen::VectorXd& residual, Frame& frame) {
   const auto before = static_cast<Eigen::Index>(frame.size());
+  frame.reserve(frame.size() + static_cast<std::size_t>(view.pixel.rows()));
   for (Eigen::Index i = 0; i < view.pixel.rows(); ++i) {
     frame.push_back({view.camera, view.target, view.x_in_target(i, 0), view.x_in_target(i, 1), view.pixel.row(i),
                      residual.segment<2>(2 * i), 2 * (before + i)});
   }
+}
+
+// Whitened residuals of a view's corners in use, one after the other.
+Eigen::VectorXd whitened(const std::vector<Eigen::Vector2d>& residuals_px, const std::vector<ObservationFate>& fates,
+                         const ViewData& data) {
+  Eigen::VectorXd residual(2 * data.pixel.rows());
+  Eigen::Index row = 0;
+  for (std::size_t i = 0; i < fates.size(); ++i) {
+    if (fates[i] != ObservationFate::kUsed) continue;
+    residual.segment<2>(2 * row) = residuals_px[i] * data.inverse_sigma[row];
+    ++row;
+  }
+  return residual;
 }
 
 void sort(Frame& frame) {
@@ -55,6 +68,18 @@ void for_common_corners(const Frame& a, const Frame& b, const Seen& seen) {
       return;
     }
   }
+}
+
+// The corners in use of each pose.
+std::vector<Frame> frames_of(const CalibrationProblem& problem, const BundleState& state) {
+  std::vector<Frame> frames(state.poses.size());
+  for (ViewData& view : used_views(problem, state)) {
+    const std::vector<Eigen::Vector2d> residuals_px = view_residuals(problem, state, view.view);
+    append(view, whitened(residuals_px, state.fates[view.view], view), frames[view.pose]);
+    view = {};  // never all of both
+  }
+  std::ranges::for_each(frames, sort);
+  return frames;
 }
 
 // Frames by their indices that show the board in the same place, and how alike their errors are.
@@ -151,19 +176,6 @@ std::pair<Eigen::MatrixXd, Eigen::MatrixXd> common_rows(const Frame& a, const Ei
   return {rows_a(of_a, Eigen::all), rows_b(of_b, Eigen::all)};
 }
 
-// Whitened residuals of a view's corners in use, one after the other.
-Eigen::VectorXd whitened(const std::vector<Eigen::Vector2d>& residuals_px, const std::vector<ObservationFate>& fates,
-                         const ViewData& data) {
-  Eigen::VectorXd residual(2 * data.pixel.rows());
-  Eigen::Index row = 0;
-  for (std::size_t i = 0; i < fates.size(); ++i) {
-    if (fates[i] != ObservationFate::kUsed) continue;
-    residual.segment<2>(2 * row) = residuals_px[i] * data.inverse_sigma[row];
-    ++row;
-  }
-  return residual;
-}
-
 }  // namespace
 
 FrameRepetition frame_repetition(const CalibrationProblem& problem, const CalibrationResult& result) {
@@ -191,28 +203,20 @@ FrameRepetition frame_repetition(const CalibrationProblem& problem, const Calibr
 
 std::optional<Eigen::MatrixXd> repeated_errors(const CalibrationProblem& problem, const BundleState& state,
                                                const BundleOptions& options, const std::vector<std::string>& names) {
-  std::map<int, std::vector<ViewData>> by_pose;
-  for (ViewData& view : used_views(problem, state)) by_pose[view.pose].push_back(std::move(view));
   std::vector<double> cell_px;
   for (const Camera& camera : state.cameras) cell_px.push_back(cell_of(camera.size));
-  const std::vector<std::vector<Eigen::Vector2d>> residuals_px = all_residuals(problem, state);
-  std::vector<Frame> frames;
-  for (const auto& [pose, views] : by_pose) {
-    Frame& frame = frames.emplace_back();
-    for (const ViewData& view : views) {
-      append(view, whitened(residuals_px[view.view], state.fates[view.view], view), frame);
-    }
-    sort(frame);
-  }
+  const std::vector<Frame> frames = frames_of(problem, state);
   const Repeats repeats = repeats_among(frames, cell_px);
   if (repeats.correlation == 0.0) return std::nullopt;
   std::vector<bool> paired(frames.size(), false);
   for (const auto& [a, b] : repeats.pairs) paired[a] = paired[b] = true;
+  std::vector<std::vector<ViewData>> views(frames.size());
+  for (ViewData& view : used_views(problem, state)) {
+    if (paired[view.pose]) views[view.pose].push_back(std::move(view));
+  }
   std::vector<Eigen::MatrixXd> rows(frames.size());
-  std::size_t frame = 0;
-  for (const auto& [pose, views] : by_pose) {
-    if (paired[frame]) rows[frame] = rows_of(problem, state, options.estimate_shape, views, {names, {}});
-    ++frame;
+  for (std::size_t frame = 0; frame < frames.size(); ++frame) {
+    if (paired[frame]) rows[frame] = rows_of(problem, state, options.estimate_shape, views[frame], {names, {}});
   }
   const auto size = static_cast<Eigen::Index>(names.size());
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(size, size);

@@ -16,8 +16,17 @@ namespace raybundle {
 /// not reach the other, and only their costs tell which is right.
 ///
 /// @param rays_in_camera  where the camera has seen corners
+/// @param alike_px        root mean square distance of the projections up to which a camera is a twin
 /// @return                those whose parameters are farther away than the projections tell; mostly none
-std::vector<Camera> twin_cameras(const Camera& camera, const std::vector<Eigen::Vector3d>& rays_in_camera);
+std::vector<Camera> twin_cameras(const Camera& camera, const std::vector<Eigen::Vector3d>& rays_in_camera,
+                                 double alike_px);
+
+/// A camera of the same model that puts rays onto pixels as nearly as it can, from the model's own start values: a lens
+/// that has lost rays, beyond a pole of its profile say, cannot be moved to where it projects them.
+///
+/// @param pixels  aligned with rays_in_camera
+Camera fitted_anew(const Camera& camera, const std::vector<Eigen::Vector3d>& rays_in_camera,
+                   const std::vector<Eigen::Vector2d>& pixels);
 
 /// Cameras of the same model along the one direction of the parameters that the projections tell least of, as far as
 /// they put rays nearly where this one puts them. A valley may have several optima: common factors of a rational lens,
