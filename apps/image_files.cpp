@@ -87,7 +87,9 @@ struct GreyVideo::Data {
   cv::Mat image;
 };
 
-GreyVideo::GreyVideo(const std::string& path) : data_(std::make_unique<Data>(cv::VideoCapture(path), cv::Mat())) {}
+// Of OpenCV's readers the one for files; others look for cameras on the USB when a file is no video.
+GreyVideo::GreyVideo(const std::string& path)
+    : data_(std::make_unique<Data>(cv::VideoCapture(path, cv::CAP_FFMPEG), cv::Mat())) {}
 GreyVideo::~GreyVideo() = default;
 
 cv::Mat GreyVideo::next() {

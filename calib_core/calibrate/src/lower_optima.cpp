@@ -31,7 +31,7 @@ BundleState with_fewer_views(const BundleState& state) {
 
 // Lenses at the end of a valley without one: their parameters cancel each other to the last digit.
 bool far_out(const Camera& camera) {
-  return camera.parameters.tail(camera.parameters.size() - 4).cwiseAbs().maxCoeff() > kFarOut;
+  return camera.parameters.tail(camera.parameters.size() - 4).lpNorm<Eigen::Infinity>() > kFarOut;
 }
 
 /// Another optimum, or a place on the way to one.

@@ -121,7 +121,7 @@ std::vector<LensVector> way_along(const LensFunctions& lens, const PointsInView&
     next.lens += stride * direction;
     const auto there = correct(lens, field, direction, next);
     if (!there || !(there->rms_px <= alike_px) || !(next.lens[0] > 0) || !(next.lens[1] > 0) ||
-        next.lens.tail(lens.parameters - 4).cwiseAbs().maxCoeff() > kFarOut) {
+        next.lens.tail(lens.parameters - 4).lpNorm<Eigen::Infinity>() > kFarOut) {
       stride *= 0.25;
       if (stride < 0.1) break;
       continue;

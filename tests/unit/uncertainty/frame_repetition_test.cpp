@@ -27,18 +27,20 @@ SyntheticWorld repeated_world(unsigned seed, int poses, int times, double share)
   world.pose_of_view.clear();
   std::mt19937 random(seed);
   const double sigma_px = 0.2;
-  std::normal_distribution<double> of_all(0.0, sigma_px * std::sqrt(share)),
-      own(0.0, sigma_px * std::sqrt(1.0 - share));
+  std::normal_distribution<double> normal_of_all, normal_own;  // of unit scatter: a share may be nothing
+  const double of_all_px = sigma_px * std::sqrt(share), own_px = sigma_px * std::sqrt(1.0 - share);
   for (std::size_t v = 0; v < once.problem.views.size(); ++v) {
     TargetView common = once.problem.views[v];
     for (Observation& o : common.observations) {
-      o.pixel += Eigen::Vector2d(of_all(random), of_all(random));
+      o.pixel += of_all_px * Eigen::Vector2d(normal_of_all(random), normal_of_all(random));
       o.sigma_px = sigma_px;
     }
     for (int k = 0; k < times; ++k) {
       TargetView view = common;
       view.frame = static_cast<int>(world.problem.frames.size());
-      for (Observation& o : view.observations) o.pixel += Eigen::Vector2d(own(random), own(random));
+      for (Observation& o : view.observations) {
+        o.pixel += own_px * Eigen::Vector2d(normal_own(random), normal_own(random));
+      }
       world.problem.frames.push_back(std::to_string(view.frame));
       world.problem.views.push_back(view);
       world.poses.push_back(once.poses[once.pose_of_view[v]]);
