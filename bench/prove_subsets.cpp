@@ -3,9 +3,10 @@
 
 // Any eight views are enough: on every set of real images and with every sensible model, random subsets of the frames
 // must give the camera that all frames give, or be refused with a reason. The same camera means: over the corners of
-// all frames the projections differ, root mean square and the implied turn removed, by at most 3 sigmas of the
-// difference, whose variance is the sum of both (the subset's is much the larger). A model is sensible for a set when
-// it fits all frames to within a quarter of the best model's residuals.
+// all frames that lie where the subset saw corners too, the projections differ, root mean square and the implied turn
+// removed, by at most 3 sigmas of the difference, whose variance is the sum of both (the subset's is much the larger).
+// Sigmas are those that the program goes by: of the corners' noise or of how the frames scatter, whichever is worse. A
+// model is sensible for a set when it fits all frames to within a quarter of the best model's residuals.
 // usage: prove_subsets [subsets of each set and model] [set] [model]
 #include <fmt/format.h>
 
@@ -67,15 +68,33 @@ Solved solve(const CalibrationProblem& problem) {
   return solved;
 }
 
-// The block of the covariance that belongs to a camera's intrinsics.
-Eigen::MatrixXd intrinsics_covariance(const Calibration& calibration, const RigCamera& camera) {
+// The block of a covariance that belongs to a camera's intrinsics.
+Eigen::MatrixXd of_intrinsics(const Covariance& covariance, const RigCamera& camera) {
   const std::vector<std::string_view> names = parameter_names(camera.camera.model);
   std::vector<Eigen::Index> at;
   for (const std::string_view name : names) {
-    const auto found = std::ranges::find(calibration.covariance.names, camera.name + "." + std::string(name));
-    at.push_back(found - calibration.covariance.names.begin());
+    const auto found = std::ranges::find(covariance.names, camera.name + "." + std::string(name));
+    at.push_back(found - covariance.names.begin());
   }
-  return calibration.covariance.matrix(at, at);
+  return covariance.matrix(at, at);
+}
+
+double sigma_px(const Calibration& calibration, const RigCamera& camera, const std::vector<Eigen::Vector3d>& rays) {
+  const double sigma = projection_sigma_px(camera.camera, of_intrinsics(calibration.covariance, camera), rays);
+  if (!calibration.covariance_by_frame) return sigma;
+  const Eigen::MatrixXd by_frame = of_intrinsics(*calibration.covariance_by_frame, camera);
+  return std::max(sigma, projection_sigma_px(camera.camera, by_frame, rays));
+}
+
+// The rays of a solve's camera that lie where another calibration of it claims anything.
+std::vector<Eigen::Vector3d> rays_claimed(const RigCamera& reference, const std::vector<Eigen::Vector3d>& rays,
+                                          const RigCamera& camera) {
+  std::vector<Eigen::Vector3d> claimed;
+  for (const Eigen::Vector3d& ray : rays) {
+    const auto pixel = pixel_from_ray(reference.camera, ray);
+    if (pixel && camera.evidence->covers(camera.camera.size, *pixel)) claimed.push_back(ray);
+  }
+  return claimed;
 }
 
 // The largest difference of any camera, in sigmas of the difference.
@@ -84,11 +103,10 @@ double difference_sigmas(const CalibrationProblem& problem, const Solved& all, c
   for (const RigCamera& camera : part.calibration.cameras) {
     const auto c = std::ranges::find(problem.cameras, camera.name, &ProblemCamera::name) - problem.cameras.begin();
     const RigCamera& reference = camera_named(all.result.calibration, camera.name);
-    const Eigen::MatrixXd covariance = intrinsics_covariance(part.calibration, camera);
-    const double sigma_px = std::hypot(
-        projection_sigma_px(reference.camera, intrinsics_covariance(all.result.calibration, reference), all.rays[c]),
-        projection_sigma_px(camera.camera, covariance, all.rays[c]));
-    worst = std::max(worst, projection_difference_px(reference.camera, camera.camera, all.rays[c]) / sigma_px);
+    const std::vector<Eigen::Vector3d> rays = rays_claimed(reference, all.rays[c], camera);
+    const double sigma =
+        std::hypot(sigma_px(all.result.calibration, reference, rays), sigma_px(part.calibration, camera, rays));
+    worst = std::max(worst, projection_difference_px(reference.camera, camera.camera, rays) / sigma);
   }
   return worst;
 }

@@ -21,6 +21,7 @@ constexpr double kFarPx = 0.3;        ///< ... and this much
 constexpr double kLargestRatio = 4.0;   ///< of the squared distances of a mirrored pose that may be meant
 constexpr double kHopeless = 60.0;      ///< the same, before the pose has settled, ...
 constexpr std::size_t kFirstLook = 24;  ///< ... of some corners
+constexpr double kNoneWrongPx = 50.0;   ///< scale of the loss: the corners are right, only the pose may be far off
 constexpr double kNarrow = 0.5;         ///< a board that spreads less across its length has another pose about it
 constexpr double kSameRad = 1e-3;       ///< the way led back to the given pose
 
@@ -93,11 +94,9 @@ std::optional<MirroredPose> find_mirrored_pose(const Camera& camera, std::span<c
   const PointsInView view{{points_in_target.begin(), points_in_target.end()}, {pixels.begin(), pixels.end()}};
   LensVector parameters = camera.parameters;
   const double squares = sum_of_squares(lens, parameters, view, camera_from_target);
-  const double scale_px = 10.0 * std::sqrt(squares / static_cast<double>(pixels.size())) + 1e-3;
-
   LensBundleOptions options;
   options.lens_fixed = true;
-  options.scale_px = scale_px;
+  options.scale_px = kNoneWrongPx;
   const PointsInView some = thinned(view, kFirstLook);
   const double limit = kHopeless * sum_of_squares(lens, parameters, some, camera_from_target);
   std::vector<Rigid3> others{mirrored_pose(camera_from_target, frame)};

@@ -33,13 +33,13 @@ Camera camera_of(std::string_view model, std::vector<double> parameters) {
 // way.
 TEST(TwinCameras, ADoubleSphereHasOneOfTheOtherSign) {
   const Camera camera = camera_of("double_sphere", {669.1, 645.7, 321.8, 242.1, 0.82, 2.153});
-  const std::vector<Camera> twins = twin_cameras(camera, rays_up_to(1.2));
+  const std::vector<Camera> twins = twin_cameras(camera, rays_up_to(1.2), 0.5);
   EXPECT_THAT(twins, ::testing::Contains(::testing::Truly([](const Camera& twin) { return twin.parameters[4] < 0; })));
 }
 
 TEST(TwinCameras, KannalaBrandtHasNone) {
   const Camera camera = camera_of("kannala_brandt", {250, 250, 320, 240, -0.02, 0.005, -0.003, 0.0004});
-  EXPECT_THAT(twin_cameras(camera, rays_up_to(1.4)), ::testing::IsEmpty());
+  EXPECT_THAT(twin_cameras(camera, rays_up_to(1.4), 0.5), ::testing::IsEmpty());
 }
 
 TEST(MirroredPose, TurnsABoardThatIsHeldTheWrongWayAndLeavesARightOne) {
