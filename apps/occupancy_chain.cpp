@@ -30,6 +30,10 @@ Bytes bytes_of(const GreyImage& image) {
   return bytes;
 }
 
+CabinPart part_of(const CabinScene& scene, const CabinHit& hit) {
+  return hit.mesh < 0 ? CabinPart::kCar : scene.cockpit().meshes[hit.mesh].part;
+}
+
 StereoOptions stereo_options(const Calibration& calibration) {
   StereoOptions options;
   const Rectification pair = rectify(calibration.cameras[0], calibration.cameras[1], options.rectify);
@@ -64,7 +68,10 @@ ChainSource::~ChainSource() = default;
 MeasuredScene ChainSource::at(double time_s) {
   CockpitRequest cockpit = request_.cockpit;
   cockpit.time_s = time_s;
-  const CabinScene scene(make_cockpit(cockpit));
+  return measured(CabinScene(make_cockpit(cockpit)), time_s);
+}
+
+MeasuredScene ChainSource::measured(const CabinScene& scene, double time_s) {
   MeasuredScene measured;
   measured.layout = vehicle_layout(scene.cockpit().layout);
   measured.truth = scene.cockpit().truth;
@@ -99,7 +106,7 @@ void ChainSource::measure_dots(const CabinScene& scene, double time_s, MeasuredS
     const int ray = table.grid.index(beam.row, beam.column);
     const CabinHit& hit = truth[ray];
     measured.points.push_back({ray, vehicle_from_camera * point.x_in_camera, std::sqrt(point.covariance.trace())});
-    measured.parts.push_back(hit.mesh < 0 ? CabinPart::kCar : scene.cockpit().meshes[hit.mesh].part);
+    measured.parts.push_back(part_of(scene, hit));
     measured.true_points.push_back(hit.x_in_vehicle);
   }
 }
@@ -107,17 +114,23 @@ void ChainSource::measure_dots(const CabinScene& scene, double time_s, MeasuredS
 void ChainSource::measure_pair(const CabinScene& scene, double time_s, MeasuredScene& measured) {
   const Bytes left = image(scene, 0, false, time_s), right = image(scene, 1, false, time_s);
   const StereoFrame frame = runtime_->stereo->process(left.view(), right.view());
-  const Rigid3 vehicle_from_rectified =
-      sensor_.known_vehicle_from_rig * runtime_->stereo->rectification().rig_from_rectified;
+  const Rigid3 rig_from_rectified = runtime_->stereo->rectification().rig_from_rectified;
+  const Rigid3 vehicle_from_rectified = sensor_.known_vehicle_from_rig * rig_from_rectified;
+  const Rigid3 true_from_rectified = sensor_.vehicle_from_rig * rig_from_rectified;
+  std::vector<Eigen::Vector3d> directions;
   measured.viewpoint_in_vehicle = vehicle_from_rectified.translation;
   measured.rays = frame.points.width * frame.points.height;
   measured.state = frame.state;
   for (int ray = 0; ray < measured.rays; ++ray) {
     const StereoPoint& point = frame.points.at(ray % frame.points.width, ray / frame.points.width);
     if (point.sigma_m == 0) continue;
-    measured.points.push_back({ray, vehicle_from_rectified * Eigen::Vector3d(point.x_m, point.y_m, point.z_m),
-                               static_cast<double>(point.sigma_m)});
+    const Eigen::Vector3d x(point.x_m, point.y_m, point.z_m);
+    measured.points.push_back({ray, vehicle_from_rectified * x, static_cast<double>(point.sigma_m)});
+    directions.push_back(true_from_rectified.rotation * x.normalized());
   }
+  std::vector<CabinHit> truth(directions.size());
+  scene.first_hits(true_from_rectified.translation, directions, truth);
+  for (const CabinHit& hit : truth) measured.parts.push_back(part_of(scene, hit));
 }
 
 }  // namespace raybundle::apps

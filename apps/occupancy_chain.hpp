@@ -22,6 +22,9 @@ class ChainSource {
   /// Frames are to be asked for in their order: the laser's runtime follows its wavelength.
   MeasuredScene at(double time_s);
 
+  /// A cabin that is there already, as this sensor sees it.
+  MeasuredScene measured(const CabinScene& scene, double time_s);
+
  private:
   struct Runtime;
   Bytes image(const CabinScene& scene, int camera, bool laser, double time_s) const;

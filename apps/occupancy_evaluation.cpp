@@ -130,12 +130,14 @@ void add(const Trial& trial, Evaluation& sum) {
 
 MonitorOptions monitor_options_of(SensorKind kind) {
   MonitorOptions options;
-  options.sure_of_force = 0.95;
   if (kind == SensorKind::kStructuredLight) {
+    options.sure_of_force = 0.95;
     options.zones.margin_m = 0.10;  // people reach on between the dots
   } else {
-    options.zones.least_points = 6;
-    options.moving = 0.10;  // wrong matches and rims alone move 7 % of the points of things at rest
+    options.dense = true;
+    options.zones.least_points = 20;   // of some 80 pixels of a cell; fewer are wrong matches in every fifth cabin
+    options.zones.dashboard_m = 0.04;  // windows of the matcher let its edge grow by 2 px
+    options.moving = 0.10;             // wrong matches and rims alone move 7 % of the points of things at rest
     options.zones.margin_m = 0.03;
   }
   return options;
@@ -161,7 +163,8 @@ Evaluation evaluate(const CaseBase& base, const EvaluationOptions& options) {
   std::vector<Trial> trials(static_cast<std::size_t>(options.scenes));
   for_each_index(trials.size(), options.threads, [&](std::size_t i) {
     const SceneRequest request{options.kind, {options.generator, options.seed + i, {}, 0.0}, options.grid};
-    trials[i] = options.chain ? trial(base, options, ChainSource(request)) : trial(base, options, SceneSource(request));
+    const bool images = options.chain || options.kind == SensorKind::kStereo;
+    trials[i] = images ? trial(base, options, ChainSource(request)) : trial(base, options, SceneSource(request));
     if (options.scene_done) options.scene_done();
   });
   Evaluation sum;

@@ -25,7 +25,7 @@ struct EvaluationOptions {
   int frames = 3;        ///< of each scene; the last one is judged
   double frame_s = 0.1;  ///< between frames
   MonitorOptions monitor;
-  bool chain = false;  ///< images are rendered and the runtime makes points of them: see ChainSource
+  bool chain = false;  ///< laser: images are rendered and the runtime makes points of them, as always for stereo
   int threads = 1;
   std::function<void()> scene_done = {};  ///< called after each scene, from any thread
 };

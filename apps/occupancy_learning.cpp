@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "each_index.hpp"
+#include "occupancy_chain.hpp"
 #include "raybundle/synthetic/random.hpp"
 
 namespace raybundle::apps {
@@ -39,9 +40,14 @@ CabinDecision decision_at(const CockpitTruth& truth, double dashboard_distance_m
   return decision_of(truth.seat_class, dashboard_distance_m, zones);
 }
 
-// What would be right if whoever is there were nearer by a margin.
-AirbagAction action_to_learn(const MeasuredScene& scene, double margin_m) {
-  switch (decision_at(scene.truth, scene.truth.dashboard_distance_m - margin_m, scene.layout)) {
+// What would be right if whoever is there were nearer by a margin. Dense points show whether the outer zone is free:
+// for them, cases say what would be right if it were.
+AirbagAction action_to_learn(const MeasuredScene& scene, const SimulatedLearning& how) {
+  CabinDecision decision = decision_at(scene.truth, scene.truth.dashboard_distance_m - how.margin_m, scene.layout);
+  if (how.kind == SensorKind::kStereo && decision == CabinDecision::kDepowered) {
+    decision = decision_at(scene.truth, INFINITY, scene.layout);
+  }
+  switch (decision) {
     case CabinDecision::kFire:
       return AirbagAction::kFire;
     case CabinDecision::kDepowered:
@@ -147,15 +153,16 @@ LabelledCases simulated_cases(const SimulatedLearning& how) {
   const auto add = [&](std::size_t n, const MeasuredScene& seen) {
     cases.attributes.col(static_cast<Eigen::Index>(n)) = set.attributes(seen.layout, SeatPose{}, seen.scan());
     cases.classes[n] = static_cast<std::uint8_t>(seen.truth.seat_class);
-    cases.actions[n] = action_to_learn(seen, how.margin_m);
+    cases.actions[n] = action_to_learn(seen, how);
   };
   for_each_index(static_cast<std::size_t>(how.scenes), how.threads, [&](std::size_t i) {
     const std::uint64_t seed = how.seed + i;
     const CabinScene cabin(make_cockpit({CockpitGenerator::kTraining, seed, {}, 0.0}));
     const auto seen_in_car = [&](std::size_t car) {
       const std::uint64_t sensor_seed = car == 0 ? seed : mixed_bits(mixed_bits(seed) + car);
-      const SceneSource source({how.kind, {CockpitGenerator::kTraining, sensor_seed, {}, 0.0}, how.grid});
-      const MeasuredScene scene = source.measured(cabin, 0.0);
+      const SceneRequest request{how.kind, {CockpitGenerator::kTraining, sensor_seed, {}, 0.0}, how.grid};
+      const MeasuredScene scene = how.kind == SensorKind::kStereo ? ChainSource(request).measured(cabin, 0.0)
+                                                                  : SceneSource(request).measured(cabin, 0.0);
       return car == 0 ? scene : as_in_another_car(scene, how, sensor_seed);
     };
     const auto first_voting = static_cast<std::size_t>(learnt), all = static_cast<std::size_t>(copies);

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "raybundle/occupancy/box.hpp"
+#include "raybundle/occupancy/zones.hpp"
 
 namespace raybundle {
 namespace {
@@ -89,26 +90,37 @@ constexpr double kReliefAcross[] = {-0.20, -0.10, 0.0, 0.10, 0.20};
 constexpr Relief kSparseRelief{kReliefAlong, kReliefUp, kReliefAcross, 0.05, 1};
 constexpr Relief kDenseRelief{kReliefAlong, kReliefUp, kReliefAcross, 0.03, kDenseEvery};
 
-// Rays that end before the dashboard, near it and farther away, from the knees up; one of them may be a hand.
+// Rays that end before the dashboard, near it and farther away, from the knees up; one of them may be a hand. For dense
+// points, also how near to the dashboard they come.
 struct Reach {
-  double most;  ///< rays; more tell no more
-  static constexpr double kDepths_m[] = {0.01, 0.20, 0.40, 0.60}, kHeights_m[] = {-0.10, 0.0, 0.12, 0.45};
+  double most;         ///< rays; more tell no more
+  double dashboard_m;  ///< what is nearer to it may be it
+  int least_points;    ///< of the nearest place, as in ZoneOptions; 0: it is not asked for
+  static constexpr double kDepths_m[] = {0.0, 0.20, 0.40, 0.60}, kHeights_m[] = {-0.10, 0.0, 0.12, 0.45};
   static constexpr double kBeside_m = 0.08;  // heights from the zones' floor, and this beyond their sides
+  static constexpr double kFar_m = 0.80;     // beyond, nothing is near
 
-  static constexpr int size() { return static_cast<int>((std::size(kDepths_m) - 1) * (std::size(kHeights_m) - 1)); }
+  constexpr int size() const {
+    return static_cast<int>((std::size(kDepths_m) - 1) * (std::size(kHeights_m) - 1)) + (least_points > 0 ? 1 : 0);
+  }
 
   void add(const VehicleLayout& layout, const Scan& scan, Attributes& attributes, int& at) const {
+    if (least_points > 0) {
+      const ZoneCount nearest = count_zones(layout, scan, {.dashboard_m = dashboard_m, .least_points = least_points});
+      attributes[at++] = nearest.anything ? std::min(nearest.distance_m, kFar_m) : kFar_m;
+    }
     for (std::size_t i = 0; i + 1 < std::size(kDepths_m); ++i) {
       for (std::size_t j = 0; j + 1 < std::size(kHeights_m); ++j) {
         const double wide = layout.zone_half_width_m + kBeside_m;
         const Box box{.low = {layout.dashboard_x_m - kDepths_m[i + 1], -wide, layout.zone_floor_m + kHeights_m[j]},
-                      .high = {layout.dashboard_x_m - kDepths_m[i], wide, layout.zone_floor_m + kHeights_m[j + 1]}};
+                      .high = {layout.dashboard_x_m - std::max(kDepths_m[i], dashboard_m), wide,
+                               layout.zone_floor_m + kHeights_m[j + 1]}};
         attributes[at++] = std::min(1.0, count_rays(box, scan).hits / most);
       }
     }
   }
 };
-constexpr Reach kSparseReach{4.0}, kDenseReach{100.0};
+constexpr Reach kSparseReach{4.0, 0.01, 0}, kDenseReach{100.0, 0.04, 20};
 
 template <const Profile& profile, const Relief& relief, const Reach& reach>
 Attributes profile_and_relief(const VehicleLayout& layout, const SeatPose& seat, const Scan& scan) {
@@ -124,7 +136,7 @@ Attributes profile_and_relief(const VehicleLayout& layout, const SeatPose& seat,
 
 constinit const AttributeSet kStripes{"stripes-2", kSparseProfile.size() + kSparseRelief.size() + kSparseReach.size(),
                                       profile_and_relief<kSparseProfile, kSparseRelief, kSparseReach>};
-constinit const AttributeSet kBoxes{"boxes-2", kDenseProfile.size() + kDenseRelief.size() + kDenseReach.size(),
+constinit const AttributeSet kBoxes{"boxes-3", kDenseProfile.size() + kDenseRelief.size() + kDenseReach.size(),
                                     profile_and_relief<kDenseProfile, kDenseRelief, kDenseReach>};
 
 const AttributeSet* attribute_set_named(std::string_view name) {

@@ -28,7 +28,7 @@ OccupancyMonitor::OccupancyMonitor(const VehicleLayout& layout, CaseBase base, i
   if (rays < 1 || options.calm_frames < 1 || options.memory_frames < 1) {
     throw Error(ErrorKind::kBadInput, "a monitor needs at least one ray, one calm frame and one frame of memory");
   }
-  last_votes_.resize(static_cast<std::size_t>(options.memory_frames));
+  last_said_.resize(static_cast<std::size_t>(options.memory_frames));
   range_m_.resize(static_cast<std::size_t>(rays), NAN);
   last_range_m_ = range_m_;
   restart();
@@ -36,7 +36,7 @@ OccupancyMonitor::OccupancyMonitor(const VehicleLayout& layout, CaseBase base, i
 
 void OccupancyMonitor::restart() {
   first_ = true;
-  votes_ = 0;
+  said_ = 0;
   last_actions_.assign(static_cast<std::size_t>(options_.calm_frames) - 1, AirbagAction::kUndecided);
 }
 
@@ -76,21 +76,26 @@ double OccupancyMonitor::moving_share(const Scan& scan) {
   return both == 0 ? 0.0 : static_cast<double>(moved) / both;
 }
 
-// Mean of the votes of this frame and of those before it.
-std::array<double, kMostClasses> OccupancyMonitor::remembered(const std::array<double, kMostClasses>& votes) {
-  last_votes_[votes_++ % last_votes_.size()] = votes;
-  const std::size_t frames = std::min(votes_, last_votes_.size());
-  std::array<double, kMostClasses> mean{};
+// Mean of this frame and of those before it.
+OccupancyMonitor::Said OccupancyMonitor::remembered(const Said& now) {
+  last_said_[said_++ % last_said_.size()] = now;
+  const std::size_t frames = std::min(said_, last_said_.size());
+  const double weight = 1.0 / static_cast<double>(frames);
+  Said mean;
   for (std::size_t i = 0; i < frames; ++i) {
-    for (std::size_t c = 0; c < mean.size(); ++c) mean[c] += last_votes_[i][c] / static_cast<double>(frames);
+    for (std::size_t c = 0; c < mean.votes.size(); ++c) mean.votes[c] += weight * last_said_[i].votes[c];
+    for (std::size_t a = 0; a < mean.allowed.size(); ++a) mean.allowed[a] += weight * last_said_[i].allowed[a];
   }
   return mean;
 }
 
 // What moves is not inert: the votes go to the others.
 void OccupancyMonitor::vote(Occupancy& now) {
+  allowed_ = now.verdict.allowed_least;
   if (!now.verdict.known) return;
-  std::array<double, kMostClasses> votes = remembered(now.verdict.votes);
+  const Said said = remembered({now.verdict.votes, now.verdict.allowed_least});
+  if (options_.dense) allowed_ = said.allowed;
+  std::array<double, kMostClasses> votes = said.votes;
   if (now.moving > options_.moving) {
     double left = 0.0;
     for (std::size_t c = 0; c < base_.situations.size(); ++c) {
@@ -109,22 +114,22 @@ void OccupancyMonitor::vote(Occupancy& now) {
   if (*group >= base_.sure_of_group) now.group = static_cast<int>(group - groups.begin());
 }
 
-// What this frame alone says. To fire, every space has to agree, and enough rays must have found the zones free: where
-// nothing was seen somebody may be.
+// What forbids is said by this frame alone. To fire, every space has to agree, and enough rays must have found the zones
+// free: where nothing was seen somebody may be.
 AirbagAction OccupancyMonitor::action_of(const Occupancy& now) const {
   if (now.zones.critical > 0) return AirbagAction::kNoFire;
   if (!now.verdict.known) return AirbagAction::kUndecided;
-  const auto least = [&](AirbagAction action) { return now.verdict.allowed_least[static_cast<std::size_t>(action)]; };
+  const double no_fire = now.verdict.action_votes[static_cast<std::size_t>(AirbagAction::kNoFire)];
+  if (no_fire >= options_.sure_of_no_fire) return AirbagAction::kNoFire;
+  const auto least = [&](AirbagAction action) { return allowed_[static_cast<std::size_t>(action)]; };
   const bool seen = now.free_rays >= options_.least_free * static_cast<double>(range_m_.size());
-  if (seen && now.group >= 0) {
+  if (seen && (options_.dense || now.group >= 0)) {
     if (least(AirbagAction::kFire) >= options_.sure_of_force && now.zones.out_of_position == 0) {
       return AirbagAction::kFire;
     }
     if (least(AirbagAction::kDepowered) >= options_.sure_of_force) return AirbagAction::kDepowered;
   }
-  const auto& votes = now.verdict.action_votes;
-  const double no_fire = votes[static_cast<std::size_t>(AirbagAction::kNoFire)];
-  return no_fire >= options_.sure_of_no_fire ? AirbagAction::kNoFire : AirbagAction::kUndecided;
+  return AirbagAction::kUndecided;
 }
 
 // The least forceful of the last frames: what forbids acts at once, what allows has to last without a doubt between.

@@ -150,6 +150,15 @@ TEST(Monitor, WhoIsThereIsSaidByTheFramesOfTheLastSecond) {
   EXPECT_NE(after(other, empty, 1).group, 1);
 }
 
+// With dense points the votes of a second allow: nine frames of ten would. The tenth forbids by itself.
+TEST(Monitor, WhatIsRememberedNeverDelaysNoFire) {
+  MonitorOptions options;
+  options.dense = true;
+  OccupancyMonitor monitor({}, shared_base(), kRays, options);
+  EXPECT_EQ(after(monitor, scene(true, 0.2, 0.0, 910), 9).action, AirbagAction::kFire);
+  EXPECT_EQ(after(monitor, scene(false, 0.0, 0.0, 911), 1).action, AirbagAction::kNoFire);
+}
+
 TEST(Monitor, TakesNoHeapAfterStartAndGivesTheSameBits) {
   OccupancyMonitor monitor({}, shared_base(), kRays), other({}, shared_base(), kRays);
   const std::vector<ScenePoint> points = scene(true, 0.2, 0.003, 907);

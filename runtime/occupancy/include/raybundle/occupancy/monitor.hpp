@@ -13,6 +13,9 @@ namespace raybundle {
 
 struct MonitorOptions {
   ZoneOptions zones;
+  /// Whether points show all that is in the zones. Then cases need only say who is there, which the frames of the last
+  /// second do together, and the zones where; else every frame's cases say both.
+  bool dense = false;
   double sure_of_force = 0.9;    ///< votes that an action must have in every space before it is taken for harmless
   double least_free = 0.14;      ///< share of the rays that must have crossed the zones before the airbag may fire
   double sure_of_no_fire = 0.5;  ///< votes that nobody may be fired at, before that is said
@@ -60,7 +63,13 @@ class OccupancyMonitor {
  private:
   double moving_share(const Scan& scan);
   void vote(Occupancy& now);
-  std::array<double, kMostClasses> remembered(const std::array<double, kMostClasses>& votes);
+
+  // What cases said of a frame.
+  struct Said {
+    std::array<double, kMostClasses> votes{};
+    std::array<double, kAirbagActions> allowed{};  ///< see CaseVerdict::allowed_least
+  };
+  Said remembered(const Said& now);
   AirbagAction action_of(const Occupancy& now) const;
   AirbagAction calmed(AirbagAction now);
 
@@ -71,9 +80,10 @@ class OccupancyMonitor {
   std::vector<double> last_range_m_;  ///< of each ray; NaN: it did not end
   std::vector<double> range_m_;
   bool first_ = true;
-  std::vector<AirbagAction> last_actions_;                    ///< of the last calm_frames - 1 frames
-  std::vector<std::array<double, kMostClasses>> last_votes_;  ///< a ring of memory_frames
-  std::size_t votes_ = 0;                                     ///< that were put into it
+  std::vector<AirbagAction> last_actions_;        ///< of the last calm_frames - 1 frames
+  std::vector<Said> last_said_;                   ///< a ring of memory_frames
+  std::size_t said_ = 0;                          ///< that were put into it
+  std::array<double, kAirbagActions> allowed_{};  ///< what the action rests on
 };
 
 }  // namespace raybundle
