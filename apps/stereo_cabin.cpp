@@ -15,8 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kMostPoints = 20000;      // of a scan: more cost time and tell no more of things as large as heads
-constexpr double kEdgeGrowth_px = 0.8;  // HeadOptions::edge_growth_rad, whatever the size of the image
+constexpr int kMostPoints = 20000;  // of a scan: more cost time and tell no more of things as large as heads
 constexpr double kDegree = M_PI / 180.0;
 
 Json list(const Eigen::Vector3d& x) { return {x.x(), x.y(), x.z()}; }
@@ -66,9 +65,7 @@ StereoCabin read_stereo_cabin(const std::string& path) {
 }
 
 CabinWatch::CabinWatch(const StereoCabin& cabin, const Rectification& pair)
-    : cabin_(cabin), vehicle_from_rectified_(cabin.vehicle_from_rig * pair.rig_from_rectified) {
-  options_.edge_growth_rad = kEdgeGrowth_px / pair.camera.focal_px;
-}
+    : cabin_(cabin), vehicle_from_rectified_(cabin.vehicle_from_rig * pair.rig_from_rectified) {}
 
 Scan CabinWatch::scan_of(const StereoFrame& frame) {
   points_.clear();
@@ -99,7 +96,7 @@ double CabinWatch::chin_m() const {
 Json CabinWatch::take(const StereoFrame& frame) {
   const Scan scan = scan_of(frame);
   watch_.add(fit_seat(cabin_.layout, scan));
-  head_ = find_head(cabin_.layout, known_seat(), scan, options_);
+  head_ = find_head(cabin_.layout, known_seat(), scan);
   Json json{{"seat", nullptr}, {"head", nullptr}};
   if (watch_.frames() > 0) {
     const SeatFit seat = watch_.seat();

@@ -43,7 +43,6 @@ class CabinWatch {
 
   StereoCabin cabin_;
   Rigid3 vehicle_from_rectified_;
-  HeadOptions options_;
   SeatWatch watch_;
   Head head_;
   std::vector<ScenePoint> points_;

@@ -16,7 +16,7 @@ constexpr int kSeeds = 400;        // places that may be the front of a head
 constexpr int kAsked = 3000;       // points that are asked about each
 constexpr int kCandidates = 6;     // of them that are fitted
 constexpr double kApart_m = 0.10;  // between candidates
-constexpr double kBesideZone_m = 0.05, kBelowRoof_m = 0.05;
+constexpr double kBeforeZone_m = 0.05, kBelowRoof_m = 0.05;
 
 struct Candidate {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
@@ -26,9 +26,10 @@ struct Candidate {
 bool may_be_there(const VehicleLayout& layout, const SeatPose& seat, const Eigen::Vector3d& x,
                   const HeadOptions& options) {
   const Eigen::Vector2d from_bight(x.x() - seat.bight.x(), x.z() - seat.bight.y());
-  return std::abs(x.y()) < layout.zone_half_width_m + kBesideZone_m && x.z() < layout.roof_m - kBelowRoof_m &&
-         x.x() < layout.dashboard_x_m + kBesideZone_m && seat.before_back(x) > options.least_before_back_m &&
-         seat.above_cushion(x) > options.least_above_cushion_m && from_bight.norm() > options.least_from_bight_m;
+  return std::abs(x.y()) < layout.zone_half_width_m - options.least_from_side_m &&
+         x.z() < layout.roof_m - kBelowRoof_m && x.x() < layout.dashboard_x_m + kBeforeZone_m &&
+         seat.before_back(x) > options.least_before_back_m && seat.above_cushion(x) > options.least_above_cushion_m &&
+         from_bight.norm() > options.least_from_bight_m;
 }
 
 // What rays say of a ball.
@@ -105,8 +106,10 @@ Head find_head(const VehicleLayout& layout, const SeatPose& seat, const Scan& sc
     head.filled = count.filled();
     head.clear = count.free();
     const bool believed = head.filled >= options.least_filled && head.clear >= options.least_clear &&
-                          head.semi_axes_m.x() <= options.most_size * options.semi_axes_m.x();
-    if (believed && head.filled * head.clear > best.filled * best.clear) best = head;
+                          head.semi_axes_m.x() <= options.most_size * options.semi_axes_m.x() &&
+                          head.misfit <= options.most_misfit;
+    if (!believed) continue;
+    if (!best.found || seat.above_cushion(head.centre) > seat.above_cushion(best.centre)) best = head;
   }
   return best;
 }

@@ -17,7 +17,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 constexpr int kIterations = 14, kWideIterations = 6;
 constexpr double kCut = 3.0;        // sigmas, of the biweight; at first thrice as wide
 constexpr double kBehind_m = 0.05;  // what ends so far behind the head's middle has passed it
-constexpr double kChin = -0.3;      // of the crown's axis: below, necks and collars are taken for heads
+constexpr double kChin = -0.5;      // of the crown's axis: below, necks and collars are taken for heads
 constexpr double kGrazing = 0.3;    // cosine: what is seen more flatly beside the outline is the matcher's smear
 constexpr double kMostSize = 0.5, kMostTurn_rad = 0.3, kMostGrowth = 0.1;  // of the logarithm; of a step
 
@@ -59,14 +59,9 @@ class Sums {
     const double rho = passes ? outline : place.norm();
     if (rho > 2.0 || rho < 0.3 || (passes ? past : place).z() < kChin || (passes && rho > 1.0)) return;
 
-    Distance distance = distance_of(passes ? past : place);
+    const Distance distance = distance_of(passes ? past : place);
     const double facing = (point.x_in_vehicle - eye_).dot(distance.row.head<3>()) / range;
     if (facing < (outline > 1.0 ? -kGrazing : 0.0)) return;  // its far side
-    if (outline > 1.0) {
-      // The nearer surface is smeared over its outline: within the smear it tells nothing.
-      distance.m -= options_.edge_growth_rad * range;
-      if (distance.m <= 0.0) return;
-    }
     const double depth_m = passes ? 0.0 : point.sigma_m * facing;
     const double variance = depth_m * depth_m + options_.shape_sigma_m * options_.shape_sigma_m;
     const double share2 = distance.m * distance.m / (cut * cut * variance);
@@ -76,6 +71,7 @@ class Sums {
     gradient += weight / options_.alike_points * distance.m * distance.row;
     if (passes) return;
     squares_ += distance.m * distance.m;
+    squares_in_sigmas_ += distance.m * distance.m / variance;
     ++points;
   }
 
@@ -105,6 +101,7 @@ class Sums {
   }
 
   double residual_m() const { return std::sqrt(squares_ / std::max(1, points)); }
+  double misfit() const { return std::sqrt(squares_in_sigmas_ / std::max(1, points)); }
 
   Matrix6 information = Matrix6::Zero();
   Vector6 gradient = Vector6::Zero();
@@ -131,7 +128,7 @@ class Sums {
   Eigen::Vector3d eye_;
   Eigen::Matrix3d turn_;
   Eigen::Vector3d axes_, centre_, eye_in_ball_;
-  double squares_ = 0.0;
+  double squares_ = 0.0, squares_in_sigmas_ = 0.0;
 };
 
 }  // namespace
@@ -156,6 +153,7 @@ Head fit_head(const Scan& scan, const Eigen::Vector3d& start, const HeadOptions&
     ellipsoid.nod_rad += std::clamp(step[5], -kMostTurn_rad, kMostTurn_rad);
     head.points = sums.points;
     head.residual_m = sums.residual_m();
+    head.misfit = sums.misfit();
     covariance = sums.information.inverse();
   }
   const Sums::Front front = Sums(ellipsoid, scan, options).front();

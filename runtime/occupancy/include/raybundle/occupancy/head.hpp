@@ -21,14 +21,15 @@ struct HeadOptions {
   double hair_sigma_m = 0.006;       ///< of the centre: how hair lies is not known
   double shape_sigma_m = 0.006;      ///< of faces and hair from the ellipsoid
   double alike_points = 16.0;        ///< so many points err alike, as neighbouring pixels of a matcher do
-  double edge_growth_rad = 0.010;    ///< angle by which a matcher's windows make near things larger
   double least_from_bight_m = 0.48;  ///< a head is so far from where cushion and back meet,
   double least_above_cushion_m = 0.30;
   double least_before_back_m = 0.10;  ///< headrests are nearer
+  double least_from_side_m = 0.06;    ///< of its centre, from the zones' sides: it is over the seat
   int least_points = 60;
-  double least_filled = 0.80;
-  double least_clear = 0.65;
-  double most_size = 1.15;  ///< of the factor
+  double least_filled = 0.70;
+  double least_clear = 0.50;
+  double most_size = 1.15;    ///< of the factor
+  double most_misfit = 1.12;  ///< what is no ellipsoid differs more from one
 };
 
 /// A head that was found.
@@ -42,6 +43,7 @@ struct Head {
   Eigen::Matrix3d vehicle_from_head = Eigen::Matrix3d::Identity();  ///< columns: towards face, left ear, crown
   int points = 0;                                                   ///< on it
   double residual_m = 0.0;                                          ///< their root mean square distance from it
+  double misfit = 0.0;                                              ///< the same in sigmas of points and of shape
   double filled = 0.0;  ///< share of the rays through a ball of its size that end on it
   double clear = 0.0;   ///< share of the rays just beside the upper half of that ball that end far behind
 };
@@ -52,7 +54,8 @@ struct Head {
 /// on it pull its surface, rays that pass beside it push it. Told are its front, the middle of the surface that the
 /// sensor sees, and its centre, a point amid the head: the front is measured, the centre lies behind it by a size that
 /// one view hardly shows, and is less sure by that. What is no head in size, in place above the seat, or in how it
-/// stands free, is not found. Without heap; the same bits on every run.
+/// stands free, is not found; of several, as hands and knees may be, it is the highest. Without heap; the same bits on
+/// every run.
 ///
 /// @param seat  as it is set: headrests are told from heads by it
 Head find_head(const VehicleLayout& layout, const SeatPose& seat, const Scan& scan, const HeadOptions& options = {});
