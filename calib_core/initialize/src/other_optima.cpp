@@ -100,11 +100,12 @@ std::optional<MirroredPose> find_mirrored_pose(const Camera& camera, std::span<c
   const PointsInView some = thinned(view, kFirstLook);
   const double limit = kHopeless * sum_of_squares(lens, parameters, some, camera_from_target);
   std::vector<Rigid3> others{mirrored_pose(camera_from_target, frame)};
-  if (frame.spread[1] < kNarrow * frame.spread[0]) others.push_back(turned_about_length(camera_from_target, frame));
+  const bool narrow = frame.spread[1] < kNarrow * frame.spread[0];
+  if (narrow) others.push_back(turned_about_length(camera_from_target, frame));
   std::optional<MirroredPose> best;
   for (const Rigid3& other : others) {
     std::vector<Rigid3> pose{other};
-    options.max_iterations = 4;  // most boards fit one of the two only, and are soon known to
+    options.max_iterations = narrow ? 12 : 4;  // most boards fit one of the two only, and are soon known to
     refine_lens(lens, {some}, options, parameters, pose);
     if (!(sum_of_squares(lens, parameters, some, pose[0]) < limit)) continue;
     options.max_iterations = 20;
