@@ -42,8 +42,10 @@ SimulatedLearning learning_of(SensorKind kind);
 MeasuredScene as_in_another_car(MeasuredScene scene, const SimulatedLearning& how, std::uint64_t seed);
 
 /// Scenes of the training generator with the seeds from `seed` on, as cases: the laser's dots as a detector would make
-/// them, stereo's points as the runtime makes them of rendered images, which takes no longer than to imitate it. The last of them vote: each of those is
-/// one case, in its own car or in another one; the last half of them, in their own cars, judge.
+/// them, stereo's points as the runtime makes them of rendered images, which takes no longer than to imitate it.
+///
+/// The last of them vote: each of those is one case, in its own car or in another one; the last half of them, in their
+/// own cars, judge.
 LabelledCases simulated_cases(const SimulatedLearning& how);
 
 }  // namespace raybundle::apps

@@ -120,7 +120,7 @@ struct Reach {
     }
   }
 };
-constexpr Reach kSparseReach{4.0, 0.01, 0}, kDenseReach{100.0, 0.04, 20};
+constexpr Reach kSparseReach{4.0, 0.01, 0}, kDenseReach{100.0, 0.04, 12};
 
 template <const Profile& profile, const Relief& relief, const Reach& reach>
 Attributes profile_and_relief(const VehicleLayout& layout, const SeatPose& seat, const Scan& scan) {

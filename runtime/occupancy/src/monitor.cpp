@@ -114,8 +114,8 @@ void OccupancyMonitor::vote(Occupancy& now) {
   if (*group >= base_.sure_of_group) now.group = static_cast<int>(group - groups.begin());
 }
 
-// What forbids is said by this frame alone. To fire, every space has to agree, and enough rays must have found the zones
-// free: where nothing was seen somebody may be.
+// What forbids is said by this frame alone. To fire, every space has to agree, and enough rays must have found the
+// zones free: where nothing was seen somebody may be.
 AirbagAction OccupancyMonitor::action_of(const Occupancy& now) const {
   if (now.zones.critical > 0) return AirbagAction::kNoFire;
   if (!now.verdict.known) return AirbagAction::kUndecided;
