@@ -108,6 +108,16 @@ TEST(Head, ItsFrontIsSurerThanItsCentre) {
   }
 }
 
+// A fist held before the chest is as round as a head and stands as free; it is lower.
+TEST(Head, IsAboveAFist) {
+  const Eigen::Vector3d centre(-0.10, 0.0, 0.64);
+  const Head head = found_in({kBody, head_at(centre, 0.0), {{0.16, -0.06, 0.38}, {0.09, 0.09, 0.09}}}, 0.002);
+  ASSERT_TRUE(head.found);
+  EXPECT_LT((head.centre - centre).norm(), 0.010);
+  const Head fist = found_in({{{0.16, -0.06, 0.38}, {0.09, 0.09, 0.09}}}, 0.002);
+  EXPECT_TRUE(fist.found);  // alone it would be taken for one: that is what the test is about
+}
+
 TEST(Head, AnEmptySeatHasNone) {
   EXPECT_FALSE(found_in({}, 0.005).found);
   EXPECT_FALSE(find_head({}, {}, {}).found);
