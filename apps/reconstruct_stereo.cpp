@@ -227,6 +227,13 @@ void run(const Flags& flags) {
   reconstruction.finish();
 }
 
+// As CLI::PositiveNumber, which tells the largest of all numbers in full.
+std::string above_zero(const std::string& text) {
+  double value = 0.0;
+  const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0.0;
+  return good ? "" : fmt::format("'{}' is no number above 0", text);
+}
+
 }  // namespace
 
 void add_stereo_reconstruction(CLI::App& reconstruct) {
@@ -246,7 +253,7 @@ void add_stereo_reconstruction(CLI::App& reconstruct) {
       ->type_name("IMAGE");
   verb->add_option("--exposure", flags->exposure, "shutter [ms] and gain of the images: advises what they should be")
       ->expected(2)
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero);
   verb->add_flag("--json", flags->json, "print the results as JSON, one after the other");
   verb->footer(
       "Images of a moment have the same number in their names. What is written: docs/formats/stereo.md\n"
