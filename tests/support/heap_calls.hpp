@@ -12,11 +12,11 @@ namespace raybundle::testing {
 std::atomic<long> heap_calls{0};
 }  // namespace raybundle::testing
 
-void* operator new(std::size_t size) {
+// Not inlined: the compiler would see malloc() beside a delete, or free() beside a new, and warn.
+[[gnu::noinline]] void* operator new(std::size_t size) {
   ++raybundle::testing::heap_calls;
   if (void* memory = std::malloc(size)) return memory;
   throw std::bad_alloc();
 }
-// Not inlined: the compiler would see free() beside a new-expression, and warn.
 [[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
