@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/App.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -60,6 +61,7 @@ class Reconstruction {
   explicit Reconstruction(const Flags& flags)
       : flags_(flags), setup_(stereo_setup(flags.calibration, flags.stereo, !flags.laser.empty())) {
     require_writable(flags.output);
+    fs::remove(page_file());  // an earlier run's shows other pairs
     if (!flags.vehicle.empty()) cabin_.emplace(read_stereo_cabin(flags.vehicle), setup_.matcher.rectification());
     if (!flags.exposure.empty()) exposure_.emplace(setup_.left.camera.size, flags.exposure);
     if (!flags.laser.empty()) anchors_.emplace(flags.calibration, setup_.left, setup_.matcher.rectification());
@@ -105,15 +107,23 @@ class Reconstruction {
     ++taken_;
   }
 
+  // A pair that cannot be read does not cost the others.
+  void leave_out(const Error& unreadable) {
+    say_warning(fmt::format("{}; the pair is left out: copy the image again", unreadable.what()));
+    ++left_out_;
+  }
+
   void finish() const {
     if (taken_ == 0) throw Error(ErrorKind::kNotEnoughData, "there was no pair of images to reconstruct from");
-    const fs::path page = fs::path(flags_.output) / "stereo.html";
+    const fs::path page = page_file();
     write_results(flags_.output, {{page, stereo_page(page_)}});
     if (!flags_.json) {
       fmt::print("\nwrote {}: rectified pair, disparity, depth, PLY and JSON for each of {} pairs\nlook  {}\n",
                  flags_.output, taken_, page.string());
     }
-    if (missed_ == 0) return;
+    if (left_out_ > 0) say_warning(fmt::format("{} pairs could not be read and were left out", left_out_));
+    if (missed_ == 0 && left_out_ == 0) return;
+    if (missed_ == 0) throw GateFailed{};
     say_warning(fmt::format(
         "{} of {} pairs missed the gate of {:g} % matched: are both images of one moment, left and right not "
         "exchanged, and the cameras where they were when they were calibrated?",
@@ -122,6 +132,8 @@ class Reconstruction {
   }
 
  private:
+  fs::path page_file() const { return fs::path(flags_.output) / "stereo.html"; }
+
   std::span<const AnchorDot> anchors_of(const Moment& moment, const cv::Mat& left) {
     if (!anchors_) return {};
     if (moment.lit.empty()) {
@@ -160,6 +172,7 @@ class Reconstruction {
   nlohmann::json page_ = nlohmann::json::array();
   int taken_ = 0;
   int missed_ = 0;  // of the gate
+  int left_out_ = 0;
 };
 
 std::vector<ImageFile> files_of(int camera, const std::string& pattern) {
@@ -211,6 +224,10 @@ void run(const Flags& flags) {
   const std::vector<ImageFile> left = files_of(0, flags.left);
   const std::vector<ImageFile> right = files_of(1, flags.right);
   const std::vector<ImageFile> lit = flags.laser.empty() ? std::vector<ImageFile>() : files_of(0, flags.laser);
+  for (std::size_t i = 0; i < std::min(left.size(), right.size()); ++i) {
+    if (left[i].path != right[i].path) continue;
+    throw Error(ErrorKind::kBadInput, "is given as left and as right; name the images of either camera", left[i].path);
+  }
   const bool videos = left.size() == 1 && right.size() == 1 && left[0].video && right[0].video;
   if (!flags.laser.empty() && (videos || lit[0].video)) {
     throw Error(ErrorKind::kBadInput,
@@ -220,8 +237,17 @@ void run(const Flags& flags) {
   if (videos) {
     take_videos(left[0].path, right[0].path, reconstruction);
   } else {
-    for (const Moment& moment : moments_of(left, right, lit)) {
-      reconstruction.take(moment, image_at(moment.left), image_at(moment.right));
+    const std::vector<Moment> moments = moments_of(left, right, lit);
+    for (const Moment& moment : moments) {
+      cv::Mat in_left, in_right;
+      try {
+        in_left = image_at(moment.left), in_right = image_at(moment.right);
+      } catch (const Error& error) {
+        if (moments.size() == 1) throw;
+        reconstruction.leave_out(error);
+        continue;
+      }
+      reconstruction.take(moment, in_left, in_right);
     }
   }
   reconstruction.finish();
@@ -257,7 +283,7 @@ void add_stereo_reconstruction(CLI::App& reconstruct) {
   verb->add_flag("--json", flags->json, "print the results as JSON, one after the other");
   verb->footer(
       "Images of a moment have the same number in their names. What is written: docs/formats/stereo.md\n"
-      "Exit code 1 when a pair misses the gate of --least-matched.\n"
+      "Exit code 1 when a pair misses the gate of --least-matched, or could not be read.\n"
       "Example:\n"
       "  raybundle reconstruct stereo out/calibration.json 'left*.jpg' 'right*.jpg' -o points");
   verb->callback([flags] { run(*flags); });

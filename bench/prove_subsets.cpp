@@ -104,9 +104,11 @@ double difference_sigmas(const CalibrationProblem& problem, const Solved& all, c
     const auto c = std::ranges::find(problem.cameras, camera.name, &ProblemCamera::name) - problem.cameras.begin();
     const RigCamera& reference = camera_named(all.result.calibration, camera.name);
     const std::vector<Eigen::Vector3d> rays = rays_claimed(reference, all.rays[c], camera);
+    if (rays.empty()) return INFINITY;  // nothing that both claim
     const double sigma =
         std::hypot(sigma_px(all.result.calibration, reference, rays), sigma_px(part.calibration, camera, rays));
-    worst = std::max(worst, projection_difference_px(reference.camera, camera.camera, rays) / sigma);
+    const double sigmas = projection_difference_px(reference.camera, camera.camera, rays) / sigma;
+    if (!(sigmas <= worst)) worst = std::isnan(sigmas) ? INFINITY : sigmas;
   }
   return worst;
 }

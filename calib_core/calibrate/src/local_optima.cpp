@@ -25,7 +25,7 @@ constexpr std::size_t kMostViews = 100;  // of which one could move the camera
 constexpr std::size_t kOfEachSide = 4;   // cameras along the valley
 constexpr double kReadmitted = 4.0;      // times the limit of outliers
 constexpr double kMirroredGain = 1e-6;   // relative: by which a mirrored board's squares must be smaller
-constexpr double kSameNoise = 1.02;      // another lens that leaves more in the corners is none for them
+constexpr double kSameNoise = 1.02;      // a lens that keeps more corners may leave so much more in them
 
 /// The corners in use of a view.
 struct UsedCorners {
@@ -163,7 +163,7 @@ bool readmit_corners(const CalibrationProblem& single, BundleState& state, const
 
 // Corners that a lens does not project, beyond a pole of its profile say, cannot pull it back: it may have made room
 // for the others at their cost. Fits the lens anew to all corners and takes it when it keeps more of them as well.
-bool win_back_unprojectable(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
+void win_back_unprojectable(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
                             std::vector<std::string>& reasons, BundleSummary& summary) {
   std::vector<Eigen::Vector3d> rays;
   std::vector<Eigen::Vector2d> pixels;
@@ -179,20 +179,19 @@ bool win_back_unprojectable(const CalibrationProblem& single, BundleState& state
       pixels.push_back(view.observations[i].pixel);
     }
   }
-  if (!lost) return false;
+  if (!lost) return;
   BundleState other = state;
   other.cameras[0] = fitted_anew(state.cameras[0], rays, pixels);
   mark_projectable(single, other);
-  if (count_used(other) <= count_used(state)) return false;
-  if (solve_robustly(single, other, options).termination == Termination::kFailed) return false;
+  if (count_used(other) <= count_used(state)) return;
+  if (solve_robustly(single, other, options).termination == Termination::kFailed) return;
   std::vector<std::string> other_reasons = reasons;
   const BundleSummary of_other = solve_without_outliers(single, other, options, false, other_reasons);
-  if (of_other.termination == Termination::kFailed || count_used(other) <= count_used(state)) return false;
-  if (!(robust_sigmas(single, other)[0] <= kSameNoise * robust_sigmas(single, state)[0])) return false;
+  if (of_other.termination == Termination::kFailed || count_used(other) <= count_used(state)) return;
+  if (!(robust_sigmas(single, other)[0] <= kSameNoise * robust_sigmas(single, state)[0])) return;
   state = std::move(other);
   reasons = std::move(other_reasons);
   summary = of_other;
-  return true;
 }
 
 }  // namespace
@@ -231,7 +230,7 @@ CameraOptimum leave_local_optima(const CalibrationProblem& single, BundleState& 
   if (try_mirrored_boards(single, state, std::move(mirrored), options, summary)) {
     summary = solve_without_outliers(single, state, options, false, reasons, summary);
   }
-  win_back_unprojectable(single, state, options, reasons, summary);
+  if (!failed()) win_back_unprojectable(single, state, options, reasons, summary);
   std::optional<double> sigma_px;  // of the state as it is
   for (int round = 0; round < kRounds && !failed(); ++round) {
     sigma_px = projection_sigma_px(single, state, options.threads);

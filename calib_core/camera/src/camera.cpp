@@ -67,6 +67,7 @@ std::optional<Eigen::Vector3d> ray_from_pixel(const Camera& camera, const Eigen:
     assert(camera.parameters.size() == kParameterCount<M>);
     const Eigen::Vector2d plane((pixel.x() - camera.cx()) / camera.fx(), (pixel.y() - camera.cy()) / camera.fy());
     Eigen::Vector3d ray;
+    if (!plane.allFinite()) return std::nullopt;
     if (!M::ray_from_plane(camera.parameters.data() + 4, plane.data(), ray.data())) return std::nullopt;
     return ray;
   });

@@ -263,7 +263,7 @@ LensBundleSummary refine_lens(const LensFunctions& lens, const std::vector<Point
     bool converged = false;
     while (!improved && lambda < 1e10) {
       if (solve_step(equations, options, parameters, lambda, step)) {
-        if (step.decrease < kNoDecrease * summary.cost) break;
+        if (std::abs(step.decrease) < kNoDecrease * summary.cost) break;
         const LensVector moved = parameters + step.lens;
         std::vector<Rigid3> moved_poses = poses;
         if (!options.poses_fixed) {

@@ -177,7 +177,7 @@ std::optional<LensGuess> search_lens_quickly(const std::vector<PointsInView>& vi
   }
   const double best_px = std::ranges::min_element(guesses, {}, &LensGuess::score_px)->score_px;
   std::erase_if(guesses, [&](const LensGuess& guess) { return guess.score_px > 2.0 * best_px + 1.0; });
-  guesses = best_and_different(std::move(guesses), guesses.size());  // most have come to the same lens
+  guesses = best_and_different(guesses, guesses.size());  // most have come to the same lens
   for (LensGuess& guess : guesses) {
     guess = posed_anew(guess, views, frames, 4);
     refine(views, size, false, 4, guess);

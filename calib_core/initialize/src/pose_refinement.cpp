@@ -77,7 +77,7 @@ double refine_on_rays(std::span<const Eigen::Vector3d> points_in_target,
       damped.diagonal() *= 1.0 + lambda;
       const Vector6 step = damped.ldlt().solve(-equations.gradient);
       const double decrease = -equations.gradient.dot(step);  // that the equations promise
-      if (!(decrease > kNoDecrease * cost)) break;
+      if (!(std::abs(decrease) > kNoDecrease * cost)) break;
       const Rigid3 moved = perturbed(pose, step);
       PoseEquations moved_equations;
       const double moved_cost = chord_cost(points_in_target, rays_in_camera, moved, scale_rad, &moved_equations);

@@ -92,7 +92,10 @@ OccupancyMonitor::Said OccupancyMonitor::remembered(const Said& now) {
 // What moves is not inert: the votes go to the others.
 void OccupancyMonitor::vote(Occupancy& now) {
   allowed_ = now.verdict.allowed_least;
-  if (!now.verdict.known) return;
+  if (!now.verdict.known) {
+    said_ = 0;  // what was before the gap says nothing of what comes after it
+    return;
+  }
   const Said said = remembered({now.verdict.votes, now.verdict.allowed_least});
   if (options_.dense) allowed_ = said.allowed;
   std::array<double, kMostClasses> votes = said.votes;

@@ -44,11 +44,13 @@ struct MirroredPose {
   double squares_ratio = 0.0;  ///< squared distances over those of the given pose; below 1 it fits better
 };
 
-/// Small or far boards have a mirrored pose, and a solve that starts there stays there.
+/// Small or far boards have a mirrored pose, and a solve that starts there stays there. Of a narrow board the pose
+/// turned about its length is tried as well, and the better of both given.
 ///
 /// @param points_in_target  N [m]
 /// @param pixels            N, same order, without wrong ones
-/// @return                  nothing when it plainly does not fit (squares_ratio above 4), or the board is not flat
+/// @return                  nothing when it plainly does not fit (squares_ratio above 4), the board is not flat, or
+///                          the way leads back to the given pose
 std::optional<MirroredPose> find_mirrored_pose(const Camera& camera, std::span<const Eigen::Vector3d> points_in_target,
                                                std::span<const Eigen::Vector2d> pixels,
                                                const Rigid3& camera_from_target);
