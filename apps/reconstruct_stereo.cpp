@@ -121,7 +121,7 @@ class Reconstruction {
       fmt::print("\nwrote {}: rectified pair, disparity, depth, PLY and JSON for each of {} pairs\nlook  {}\n",
                  flags_.output, taken_, page.string());
     }
-    if (left_out_ > 0) say_warning(fmt::format("{} pairs could not be read and were left out", left_out_));
+    if (left_out_ > 0) say_warning(fmt::format("{} of {} pairs could not be read", left_out_, taken_ + left_out_));
     if (missed_ == 0 && left_out_ == 0) return;
     if (missed_ == 0) throw GateFailed{};
     say_warning(fmt::format(
