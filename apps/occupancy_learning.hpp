@@ -42,7 +42,7 @@ SimulatedLearning learning_of(SensorKind kind);
 MeasuredScene as_in_another_car(MeasuredScene scene, const SimulatedLearning& how, std::uint64_t seed);
 
 /// Scenes of the training generator with the seeds from `seed` on, as cases: the laser's dots as a detector would make
-/// them, stereo's points as the runtime makes them of rendered images, which takes no longer than to imitate it.
+/// them, stereo's points as the runtime makes them of rendered images.
 ///
 /// The last of them vote: each of those is one case, in its own car or in another one; the last half of them, in their
 /// own cars, judge.

@@ -5,8 +5,9 @@
 // as into and out of a tunnel and from shade into sun; ExposureControl sets its shutter and gain through ImageSensor,
 // with one frame of latency. Bars: frames until the exposure stays within 5 % of where it ends (8 stops take three
 // jumps of up to 3 stops, then halves, each a frame late), and turns of the exposure on the way: a saturated image says
-// only that less light is wanted, so that one turn back is right, and a second one is an oscillation. usage:
-// prove_exposure [cabins of each generator, default 20]
+// only that less light is wanted, so that one turn back is right, and a second one is an oscillation.
+//
+// usage: prove_exposure [cabins of each generator, default 20]
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

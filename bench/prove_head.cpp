@@ -28,7 +28,7 @@ using namespace raybundle::bench;
 
 constexpr double kMostMedian_m = 0.008, kMost95_m = 0.020;
 constexpr double kLeastFound = 0.95, kMostFalse = 0.01;
-constexpr double kLeastWithin[] = {0.60, 0.90, 0.97};     // of one, two and three sigmas; it should be
+constexpr double kLeastWithin[] = {0.60, 0.90, 0.97};     // at least, of one, two and three sigmas
 constexpr double kChiSquared[] = {3.527, 8.025, 14.156};  // 68.3, 95.4 and 99.7 % of three normal variables
 constexpr int kVisible = 100;                             // points on a head that is seen well
 constexpr std::uint64_t kSeed = 2000000000;               // of the first scene

@@ -3,10 +3,11 @@
 
 // Occupancy in simulated cabins: learns on the training generator and judges other scenes of it (same vehicle) and of
 // the test generator (held-out vehicle), for the laser and for stereo, each figure against its bar; what has no bar is
-// marked as information. Stereo is the whole chain: rendered pairs, the runtime, the decision. The laser's dots are
-// those that a runtime would make of its images; `chain` renders those, too, for fewer scenes, beside the same scenes
-// without. usage: prove_occupancy [scenes of each split, default 3000] [scenes to learn, default 0: those of each
-// sensor]
+// marked as information. Stereo is the whole chain: rendered pairs, the runtime, the decision; only its seats are
+// fitted to imitated matches. The laser's dots are those that a runtime would make of its images; `chain` renders
+// those, too, for fewer scenes, beside the same scenes without.
+//
+// usage: prove_occupancy [scenes of each split, default 3000] [scenes to learn, default 0: those of each sensor]
 //                        [laser | stereo | chain]
 #include <algorithm>
 #include <atomic>
