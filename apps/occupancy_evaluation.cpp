@@ -135,9 +135,8 @@ MonitorOptions monitor_options_of(SensorKind kind) {
     options.zones.margin_m = 0.10;  // people reach on between the dots
   } else {
     options.dense = true;
-    options.zones.least_points = 12;   // of some 80 pixels of a cell, or fewer where the zones cut it
-    options.zones.dashboard_m = 0.04;  // windows of the matcher let its edge grow by 2 px
-    options.moving = 0.10;             // wrong matches and rims alone move 7 % of the points of things at rest
+    options.zones = kDenseZones;
+    options.moving = 0.10;  // wrong matches and rims alone move 7 % of the points of things at rest
     options.zones.margin_m = 0.03;
   }
   return options;

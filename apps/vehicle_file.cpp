@@ -8,6 +8,36 @@
 #include "raybundle/scene/csv.hpp"
 
 namespace raybundle::apps {
+namespace {
+
+// What decides about an airbag has to be a cabin.
+void check(const VehicleLayout& layout, const std::string& path) {
+  constexpr double kFarthest_m = 5.0;
+  for (const double length_m : {layout.dashboard_x_m, layout.dashboard_top_m, layout.zone_floor_m,
+                                layout.zone_half_width_m, layout.out_of_position_m, layout.roof_m}) {
+    if (std::abs(length_m) <= kFarthest_m) continue;
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("[vehicle] holds {:g} m, and no cabin is so large; give metres", length_m), path);
+  }
+  if (!(layout.critical_m > 0.0 && layout.critical_m <= layout.out_of_position_m)) {
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("[vehicle] critical_m = {:g} must be above 0 and at most out_of_position_m = {:g}: it is "
+                            "the front part of that zone",
+                            layout.critical_m, layout.out_of_position_m),
+                path);
+  }
+  if (!(layout.zone_half_width_m > 0.0)) {
+    throw Error(ErrorKind::kBadInput, "[vehicle] zone_half_width_m must be above 0", path);
+  }
+  if (!(layout.least_recline_rad <= layout.most_recline_rad)) {
+    throw Error(ErrorKind::kBadInput, "[vehicle] least_recline_rad must not be above most_recline_rad", path);
+  }
+  if (!(layout.roof_m > layout.zone_floor_m)) {
+    throw Error(ErrorKind::kBadInput, "[vehicle] roof_m must be above zone_floor_m", path);
+  }
+}
+
+}  // namespace
 
 VehicleSection::VehicleSection(const toml::table& file, const char* name, const std::string& path)
     : name_(name), path_(path) {
@@ -53,37 +83,6 @@ toml::table vehicle_file(const std::string& path) {
                 fmt::format("{}:{}", path, error.source().begin.line));
   }
 }
-
-namespace {
-
-// What decides about an airbag has to be a cabin.
-void check(const VehicleLayout& layout, const std::string& path) {
-  constexpr double kFarthest_m = 5.0;
-  for (const double length_m : {layout.dashboard_x_m, layout.dashboard_top_m, layout.zone_floor_m,
-                                layout.zone_half_width_m, layout.out_of_position_m, layout.roof_m}) {
-    if (std::abs(length_m) <= kFarthest_m) continue;
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("[vehicle] holds {:g} m, and no cabin is so large; give metres", length_m), path);
-  }
-  if (!(layout.critical_m > 0.0 && layout.critical_m <= layout.out_of_position_m)) {
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("[vehicle] critical_m = {:g} must be above 0 and at most out_of_position_m = {:g}: it is "
-                            "the front part of that zone",
-                            layout.critical_m, layout.out_of_position_m),
-                path);
-  }
-  if (!(layout.zone_half_width_m > 0.0)) {
-    throw Error(ErrorKind::kBadInput, "[vehicle] zone_half_width_m must be above 0", path);
-  }
-  if (!(layout.least_recline_rad <= layout.most_recline_rad)) {
-    throw Error(ErrorKind::kBadInput, "[vehicle] least_recline_rad must not be above most_recline_rad", path);
-  }
-  if (!(layout.roof_m > layout.zone_floor_m)) {
-    throw Error(ErrorKind::kBadInput, "[vehicle] roof_m must be above zone_floor_m", path);
-  }
-}
-
-}  // namespace
 
 VehicleLayout vehicle_layout_in(const toml::table& file, const std::string& path) {
   VehicleSection section(file, "vehicle", path);

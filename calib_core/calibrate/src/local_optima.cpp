@@ -27,21 +27,34 @@ constexpr double kReadmitted = 4.0;      // times the limit of outliers
 constexpr double kMirroredGain = 1e-6;   // relative: by which a mirrored board's squares must be smaller
 constexpr double kSameNoise = 1.02;      // a lens that keeps more corners may leave so much more in them
 
-/// The corners in use of a view.
-struct UsedCorners {
+/// Corners of a view.
+struct Corners {
   std::vector<Eigen::Vector3d> points;  // in the target [m]
   std::vector<Eigen::Vector2d> pixels;
 };
 
-UsedCorners used_corners(const CalibrationProblem& problem, const BundleState& state, std::size_t v) {
-  UsedCorners used;
+// Those whose fate is a wanted one.
+template <typename Wanted>
+Corners corners_of(const CalibrationProblem& problem, const BundleState& state, std::size_t v, const Wanted& wanted) {
+  Corners corners;
   const TargetView& view = problem.views[v];
   for (std::size_t i = 0; i < view.observations.size(); ++i) {
-    if (state.fates[v][i] != ObservationFate::kUsed) continue;
-    used.points.push_back(problem.targets[view.target].find(view.observations[i].point_id)->x_in_target);
-    used.pixels.push_back(view.observations[i].pixel);
+    if (!wanted(state.fates[v][i])) continue;
+    corners.points.push_back(problem.targets[view.target].find(view.observations[i].point_id)->x_in_target);
+    corners.pixels.push_back(view.observations[i].pixel);
   }
-  return used;
+  return corners;
+}
+
+Corners used_corners(const CalibrationProblem& problem, const BundleState& state, std::size_t v) {
+  return corners_of(problem, state, v, [](ObservationFate fate) { return fate == ObservationFate::kUsed; });
+}
+
+// Where the points of a posed view's corners lie, seen from the camera.
+void append_rays(const BundleState& state, std::size_t v, const std::vector<Eigen::Vector3d>& points,
+                 std::vector<Eigen::Vector3d>& rays) {
+  const Rigid3& camera_from_target = state.poses[state.pose_of_view[v]].rig_from_target;
+  for (const Eigen::Vector3d& point : points) rays.push_back((camera_from_target * point).normalized());
 }
 
 std::size_t count_used(const BundleState& state) {
@@ -64,7 +77,7 @@ std::vector<Mirrored> mirrored_of(const CalibrationProblem& single, const Bundle
   for (std::size_t v = 0; v < single.views.size(); ++v) {
     const int pose = state.pose_of_view[v];
     if (pose < 0) continue;
-    const UsedCorners used = used_corners(single, state, v);
+    const Corners used = used_corners(single, state, v);
     const auto mirrored =
         find_mirrored_pose(state.cameras[0], used.points, used.pixels, state.poses[pose].rig_from_target);
     if (mirrored) found.push_back({v, mirrored->camera_from_target, mirrored->squares_ratio - 1.0});
@@ -165,21 +178,20 @@ bool readmit_corners(const CalibrationProblem& single, BundleState& state, const
 // for the others at their cost. Fits the lens anew to all corners and takes it when it keeps more of them as well.
 void win_back_unprojectable(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
                             std::vector<std::string>& reasons, BundleSummary& summary) {
-  std::vector<Eigen::Vector3d> rays;
-  std::vector<Eigen::Vector2d> pixels;
   bool lost = false;
-  for (std::size_t v = 0; v < single.views.size(); ++v) {
-    if (state.pose_of_view[v] < 0) continue;
-    const TargetView& view = single.views[v];
-    for (std::size_t i = 0; i < view.observations.size(); ++i) {
-      if (state.fates[v][i] == ObservationFate::kOutlier) continue;
-      lost = lost || state.fates[v][i] == ObservationFate::kUnprojectable;
-      const Eigen::Vector3d point = single.targets[view.target].find(view.observations[i].point_id)->x_in_target;
-      rays.push_back((state.poses[state.pose_of_view[v]].rig_from_target * point).normalized());
-      pixels.push_back(view.observations[i].pixel);
-    }
+  for (std::size_t v = 0; v < single.views.size() && !lost; ++v) {
+    lost = state.pose_of_view[v] >= 0 && std::ranges::count(state.fates[v], ObservationFate::kUnprojectable) > 0;
   }
   if (!lost) return;
+  std::vector<Eigen::Vector3d> rays;
+  std::vector<Eigen::Vector2d> pixels;
+  for (std::size_t v = 0; v < single.views.size(); ++v) {
+    if (state.pose_of_view[v] < 0) continue;
+    const Corners right =
+        corners_of(single, state, v, [](ObservationFate fate) { return fate != ObservationFate::kOutlier; });
+    append_rays(state, v, right.points, rays);
+    pixels.insert(pixels.end(), right.pixels.begin(), right.pixels.end());
+  }
   BundleState other = state;
   other.cameras[0] = fitted_anew(state.cameras[0], rays, pixels);
   mark_projectable(single, other);
@@ -199,10 +211,7 @@ void win_back_unprojectable(const CalibrationProblem& single, BundleState& state
 std::vector<Eigen::Vector3d> rays_seen(const CalibrationProblem& single, const BundleState& state) {
   std::vector<Eigen::Vector3d> rays;
   for (std::size_t v = 0; v < single.views.size(); ++v) {
-    if (state.pose_of_view[v] < 0) continue;
-    for (const Eigen::Vector3d& point : used_corners(single, state, v).points) {
-      rays.push_back((state.poses[state.pose_of_view[v]].rig_from_target * point).normalized());
-    }
+    if (state.pose_of_view[v] >= 0) append_rays(state, v, used_corners(single, state, v).points, rays);
   }
   const std::size_t stride = rays.size() / kMostRays + 1;
   std::vector<Eigen::Vector3d> some;

@@ -93,34 +93,34 @@ constexpr Relief kDenseRelief{kReliefAlong, kReliefUp, kReliefAcross, 0.03, kDen
 // Rays that end before the dashboard, near it and farther away, from the knees up; one of them may be a hand. For dense
 // points, also how near to the dashboard they come.
 struct Reach {
-  double most;         ///< rays; more tell no more
-  double dashboard_m;  ///< what is nearer to it may be it
-  int least_points;    ///< of the nearest place, as in ZoneOptions; 0: it is not asked for
+  double most;        ///< rays; more tell no more
+  ZoneOptions zones;  ///< what is believed to be in them
+  bool nearest;       ///< whether the nearest place is told as well
   static constexpr double kDepths_m[] = {0.0, 0.20, 0.40, 0.60}, kHeights_m[] = {-0.10, 0.0, 0.12, 0.45};
   static constexpr double kBeside_m = 0.08;  // heights from the zones' floor, and this beyond their sides
   static constexpr double kFar_m = 0.80;     // beyond, nothing is near
 
   constexpr int size() const {
-    return static_cast<int>((std::size(kDepths_m) - 1) * (std::size(kHeights_m) - 1)) + (least_points > 0 ? 1 : 0);
+    return static_cast<int>((std::size(kDepths_m) - 1) * (std::size(kHeights_m) - 1)) + (nearest ? 1 : 0);
   }
 
   void add(const VehicleLayout& layout, const Scan& scan, Attributes& attributes, int& at) const {
-    if (least_points > 0) {
-      const ZoneCount nearest = count_zones(layout, scan, {.dashboard_m = dashboard_m, .least_points = least_points});
-      attributes[at++] = nearest.anything ? std::min(nearest.distance_m, kFar_m) : kFar_m;
+    if (nearest) {
+      const ZoneCount count = count_zones(layout, scan, zones);
+      attributes[at++] = count.anything ? std::min(count.distance_m, kFar_m) : kFar_m;
     }
     for (std::size_t i = 0; i + 1 < std::size(kDepths_m); ++i) {
       for (std::size_t j = 0; j + 1 < std::size(kHeights_m); ++j) {
         const double wide = layout.zone_half_width_m + kBeside_m;
         const Box box{.low = {layout.dashboard_x_m - kDepths_m[i + 1], -wide, layout.zone_floor_m + kHeights_m[j]},
-                      .high = {layout.dashboard_x_m - std::max(kDepths_m[i], dashboard_m), wide,
+                      .high = {layout.dashboard_x_m - std::max(kDepths_m[i], zones.dashboard_m), wide,
                                layout.zone_floor_m + kHeights_m[j + 1]}};
         attributes[at++] = std::min(1.0, count_rays(box, scan).hits / most);
       }
     }
   }
 };
-constexpr Reach kSparseReach{4.0, 0.01, 0}, kDenseReach{100.0, 0.04, 12};
+constexpr Reach kSparseReach{4.0, {}, false}, kDenseReach{100.0, kDenseZones, true};
 
 template <const Profile& profile, const Relief& relief, const Reach& reach>
 Attributes profile_and_relief(const VehicleLayout& layout, const SeatPose& seat, const Scan& scan) {

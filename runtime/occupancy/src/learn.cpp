@@ -98,9 +98,9 @@ double least_sure(std::vector<Told> answers, double wanted) {
   double least = 1.0, right = 0.0;
   for (std::size_t i = 0; i < answers.size(); ++i) {
     right += answers[i].right;
-    const double told = static_cast<double>(i) + 1.0;
+    const double count = static_cast<double>(i) + 1.0;
     const bool last_of_its_votes = i + 1 == answers.size() || answers[i + 1].votes < answers[i].votes;
-    if (last_of_its_votes && wilson_bound(right / told, told, kSigmas) >= wanted) least = answers[i].votes;
+    if (last_of_its_votes && wilson_bound(right / count, count, kSigmas) >= wanted) least = answers[i].votes;
   }
   return least;
 }

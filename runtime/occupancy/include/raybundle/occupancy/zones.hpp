@@ -14,6 +14,10 @@ struct ZoneOptions {
   int least_points = 1;       ///< in a cell of 6 cm before they are believed: of dense points single ones are wrong
 };
 
+/// For points of a matcher: its windows let the dashboard's edge grow by 2 px, and of some 80 pixels of a cell twelve
+/// are somebody, as where the zones' floor cuts a knee, and not wrong matches.
+inline constexpr ZoneOptions kDenseZones{.dashboard_m = 0.04, .least_points = 12};
+
 /// What is in the airbag's way.
 struct ZoneCount {
   int critical = 0;         ///< points in the critical zone, COOP
