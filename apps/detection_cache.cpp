@@ -42,7 +42,7 @@ Detection detection_from(const Json& json, const Target& target) {
   std::set<int> ids;
   for (const Json& p : json.at("points")) {
     require(p.is_array() && p.size() == 4);
-    const Observation o{p.at(0).get<int>(), {p.at(1).get<double>(), p.at(2).get<double>()}, p.at(3).get<double>()};
+    const Observation o{{p.at(1).get<double>(), p.at(2).get<double>()}, p.at(3).get<double>(), p.at(0).get<int>()};
     require(o.pixel.allFinite() && o.sigma_px > 0 && target.find(o.point_id) != nullptr &&
             ids.insert(o.point_id).second);
     detection.observations.push_back(o);

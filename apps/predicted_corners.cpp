@@ -27,7 +27,7 @@ std::vector<Observation> predict(const Camera& camera, const Rigid3& camera_from
     const std::optional<Eigen::Vector2d> pixel = pixel_from_ray(camera, x);
     const bool inside = pixel && pixel->x() > 0 && pixel->y() > 0 && pixel->x() < camera.size.width - 1 &&
                         pixel->y() < camera.size.height - 1;
-    if (inside) predicted.push_back({calibrated.target.points[i].id, *pixel, 1.0});
+    if (inside) predicted.push_back({*pixel, 1.0, calibrated.target.points[i].id});
   }
   return predicted;
 }

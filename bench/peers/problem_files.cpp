@@ -137,7 +137,7 @@ PeerProblem read_problem(const std::filesystem::path& folder) {
       view.observations.reserve(static_cast<std::size_t>(corners));
       for (int id = 0; id < corners; ++id, at += 2) {
         if (std::isnan(pixels[at])) continue;
-        view.observations.push_back({id, {pixels[at], pixels[at + 1]}, sigma_px});
+        view.observations.push_back({{pixels[at], pixels[at + 1]}, sigma_px, id});
       }
       if (!view.observations.empty()) made.problem.views.push_back(std::move(view));
     }

@@ -104,7 +104,7 @@ TargetView exact_view(const Camera& camera, double half_field_rad, const Target&
     if (!pixel || pixel->minCoeff() < 0 || pixel->x() > camera.size.width - 1 || pixel->y() > camera.size.height - 1) {
       continue;
     }
-    view.observations.push_back({point.id, *pixel, 1.0});
+    view.observations.push_back({*pixel, 1.0, point.id});
   }
   return view;
 }

@@ -80,14 +80,14 @@ std::optional<Observation> refine_corner(const Grid& grid, int point_id, const L
     const Eigen::Vector2d inward_y = (corner[1] > 0.5 ? -1.0 : 1.0) * side_y;
     const auto found = refine_tag_corner(grid.gray, prediction.pixel, inward_x, inward_y, kFarthestShare * shorter);
     if (!found) return std::nullopt;
-    return Observation{point_id, found->pixel, found->sigma_px};
+    return Observation{found->pixel, found->sigma_px, point_id};
   }
   const double border = static_cast<double>(grid.board.border_bits) / cells;
   const double share = std::max(std::min(border, grid.board.spacing), kSmallestWindow_px / shorter);
   const SaddleWindow sector{share * side_x, (along ? -share : share) * side_y};
   const auto saddle = find_saddle(grid.gray, prediction.pixel, sector, kFarthestShare * shorter);
   if (!saddle) return std::nullopt;
-  return Observation{point_id, saddle->pixel, saddle->sigma_px};
+  return Observation{saddle->pixel, saddle->sigma_px, point_id};
 }
 
 struct Tag {

@@ -109,7 +109,7 @@ Detection detect_charuco(const cv::Mat& gray, const Charuco& board) {
   const std::vector<Marker> markers = consistent_markers(search.markers, charuco_layout(board));
   Detection detection;
   for (const auto& [id, saddle] : grow(upright, board, markers)) {
-    detection.observations.push_back({id, saddle.pixel, saddle.sigma_px});
+    detection.observations.push_back({saddle.pixel, saddle.sigma_px, id});
   }
   if (detection.observations.size() < kFewestCorners) {
     detection.observations.clear();
@@ -133,7 +133,7 @@ std::vector<Observation> refine_predicted_charuco(const cv::Mat& gray, const Cha
     if (!prediction) continue;
     prediction->pixel = point.pixel;
     if (const auto saddle = refine_corner(upright, board, corner, *prediction)) {
-      accepted.push_back({point.point_id, saddle->pixel, saddle->sigma_px});
+      accepted.push_back({saddle->pixel, saddle->sigma_px, point.point_id});
     }
   }
   std::ranges::sort(accepted, {}, &Observation::point_id);

@@ -45,7 +45,7 @@ std::vector<Observation> refine_predicted_chessboard(const cv::Mat& gray, const 
   const double faintest = 0.2 * contrasts[contrasts.size() / 2];
   std::vector<Observation> observations;
   for (const auto& [id, saddle] : found) {
-    if (saddle.contrast >= faintest) observations.push_back({id, saddle.pixel, saddle.sigma_px});
+    if (saddle.contrast >= faintest) observations.push_back({saddle.pixel, saddle.sigma_px, id});
   }
   std::ranges::sort(observations, {}, &Observation::point_id);
   return observations;

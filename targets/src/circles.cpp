@@ -107,7 +107,7 @@ std::vector<Observation> centres_of(const std::map<int, Ellipse>& ellipses, cons
     if (std::abs(shift.radius_m - radius_m) > kRadiusTolerance * radius_m) continue;
     const Ellipse& ellipse = ellipses.at(id);
     const double sigma = std::hypot(ellipse.sigma_px, kShiftError * shift.shift_px.norm());
-    centres.push_back({id, ellipse.centre - shift.shift_px, sigma});
+    centres.push_back({ellipse.centre - shift.shift_px, sigma, id});
   }
   return centres;
 }

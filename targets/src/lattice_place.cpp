@@ -128,7 +128,7 @@ std::vector<Observation> observations_of(const Lattice& lattice, const Placement
   for (const auto& [place, saddle] : lattice) {
     const LatticePlace at = placement.on_board(place);
     if (on_board(at, board)) {
-      observations.push_back({at.second * board.columns + at.first, saddle.pixel, saddle.sigma_px});
+      observations.push_back({saddle.pixel, saddle.sigma_px, at.second * board.columns + at.first});
     }
   }
   std::ranges::sort(observations, {}, &Observation::point_id);

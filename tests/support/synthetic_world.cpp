@@ -116,7 +116,7 @@ SyntheticWorld synthetic_world(const SyntheticOptions& options) {
           Eigen::Vector2d pixel = *exact + options.noise_px * Eigen::Vector2d(draw.normal(), draw.normal());
           const bool outlier = draw.uniform(0, 1) < options.outlier_fraction;
           if (outlier) pixel += draw.uniform(5, 50) * draw.direction().head<2>().normalized();
-          view.observations.push_back({target.points[i].id, pixel, sigma});
+          view.observations.push_back({pixel, sigma, target.points[i].id});
           outliers.push_back(outlier);
         }
         if (static_cast<int>(view.observations.size()) < options.min_points) continue;

@@ -110,7 +110,7 @@ Rigid3 add_frame(const std::vector<const SurveyImage*>& images, const Survey& su
       const double sighting_variance = std::pow(survey.sighting_sigma_px, 2);
       const double of_landmark = std::pow(seen.own_sigma_px, 2) - sighting_variance;
       const double variance = sighting_variance + std::max(1, landmark.used) * of_landmark;
-      view.observations.push_back({landmark.index, seen.pixel, std::sqrt(variance)});
+      view.observations.push_back({seen.pixel, std::sqrt(variance), landmark.index});
     }
     problem.views.push_back(std::move(view));
     state.fates.emplace_back();  // what is far off as the lens is known now may fit when it is known better

@@ -20,8 +20,8 @@ std::vector<std::string> names_of(const std::map<std::string, ImageSize>& sizes)
 enum Column : std::size_t { kCamera, kFrame, kPoint, kU, kV, kSigma };
 
 Observation observation_from(const CsvTable& table, const CsvRow& row, const Target& target) {
-  Observation observation{whole_number_in(table, row, kPoint, "point_id"),
-                          {number_in(table, row, kU, "u"), number_in(table, row, kV, "v")}};
+  Observation observation{.pixel = {number_in(table, row, kU, "u"), number_in(table, row, kV, "v")},
+                          .point_id = whole_number_in(table, row, kPoint, "point_id")};
   if (!row.fields[kSigma].empty()) observation.sigma_px = number_in(table, row, kSigma, "sigma");
   if (!(observation.sigma_px > 0)) fail_at(table, row, "sigma is " + row.fields[kSigma] + "; it must be positive");
   if (target.find(observation.point_id) == nullptr) {

@@ -89,7 +89,7 @@ std::vector<Observation> observations_from(const JsonNode& rows, const Target& t
     }
     if (!ids.insert(id).second) row.fail("is point " + std::to_string(id) + " again; give each point once a view");
     observations.push_back(
-        {id, {row[1].number(), row[2].number()}, size == 4 ? row[3].positive_number() : Observation{}.sigma_px});
+        {{row[1].number(), row[2].number()}, size == 4 ? row[3].positive_number() : Observation{}.sigma_px, id});
   }
   return observations;
 }

@@ -135,7 +135,7 @@ std::vector<Observation> true_corners(const SimulatedRig& rig, const BoardSurfac
   std::vector<Observation> corners;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto pixel = placed.seen_at(camera, points[i]);
-    if (pixel) corners.push_back({rig.board.target.points[i].id, *pixel, kStatedSigma_px});
+    if (pixel) corners.push_back({*pixel, kStatedSigma_px, rig.board.target.points[i].id});
   }
   return corners;
 }

@@ -60,8 +60,8 @@ class Observer {
       const auto pixel = board.seen_at(rig_.cameras[pair.exact.camera], points_[i]);
       if (!pixel) continue;
       const int id = rig_.board.target.points[i].id;
-      pair.exact.observations.push_back({id, *pixel, sigma});
-      pair.measured.observations.push_back({id, moved(*pixel, options_.corner_sigma_px, random), sigma});
+      pair.exact.observations.push_back({*pixel, sigma, id});
+      pair.measured.observations.push_back({moved(*pixel, options_.corner_sigma_px, random), sigma, id});
     }
   }
 

@@ -205,7 +205,7 @@ TEST(Projectability, CornersBehindAPinholeAreMarkedAndLeftOut) {
   Target& target = world.problem.targets[0];
   const int id = target.points.back().id + 1;
   target.points.push_back({id, Eigen::Vector3d(0, 0, -50)});  // behind every camera that faces the board
-  for (TargetView& view : world.problem.views) view.observations.push_back({id, {100, 100}, 1.0});
+  for (TargetView& view : world.problem.views) view.observations.push_back({{100, 100}, 1.0, id});
   const BundleState truth = true_state(world);
   for (const auto& fates : truth.fates) {
     EXPECT_EQ(fates.back(), ObservationFate::kUnprojectable);

@@ -192,7 +192,7 @@ TEST(CameraStart, BoardsParallelToTheImageAreAnErrorForNarrowLenses) {
     for (const TargetPoint& point : world.problem.targets[0].points) {
       const auto pixel = pixel_from_ray(world.cameras[0], pose * point.x_in_target);
       const Eigen::Vector2d noise(draw.uniform(-0.3, 0.3), draw.uniform(-0.3, 0.3));
-      if (pixel) view.observations.push_back({point.id, *pixel + noise, 0.2});
+      if (pixel) view.observations.push_back({*pixel + noise, 0.2, point.id});
     }
     world.problem.views[kept++] = view;
   }

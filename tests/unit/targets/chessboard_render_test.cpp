@@ -72,7 +72,7 @@ Errors errors_over_poses(const RenderOptions& options, bool from_prediction = fa
     }
     std::vector<Observation> predicted;
     for (int id = 0; id < 54; ++id) {
-      if (truth[id]) predicted.push_back({id, *truth[id] + Eigen::Vector2d(1.0, -0.7), 1.0});
+      if (truth[id]) predicted.push_back({*truth[id] + Eigen::Vector2d(1.0, -0.7), 1.0, id});
     }
     errors.add(refine_predicted_chessboard(image, kBoard, predicted), truth);
   }
@@ -118,7 +118,7 @@ TEST(ChessboardRender, PredictionsOfTheWrongColourOrBesideTheBoardAreRefused) {
   std::vector<Observation> shifted;  // by one column: colours do not fit, the last column is on the margin
   for (int id = 0; id < 54; ++id) {
     const auto pixel = pixel_from_ray(camera, pose * Eigen::Vector3d((id % 9 + 1) * 0.025, id / 9 * 0.025, 0));
-    shifted.push_back({id, *pixel, 1.0});
+    shifted.push_back({*pixel, 1.0, id});
   }
   EXPECT_TRUE(refine_predicted_chessboard(image, kBoard, shifted).empty());
 }

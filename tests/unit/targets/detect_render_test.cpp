@@ -117,7 +117,7 @@ TEST_P(RenderedBoard, IsRefinedFromAPredictionThatIsAPixelOff) {
   std::vector<Observation> predicted;
   for (const TargetPoint& point : target.points) {
     const Eigen::Vector2d pixel = truth(point.id) + Eigen::Vector2d(point.id % 2 ? 0.8 : -0.8, 0.6);
-    predicted.push_back({point.id, pixel, 1.0});
+    predicted.push_back({pixel, 1.0, point.id});
   }
   const std::vector<Observation> refined = refine_predicted(board, image, predicted);
   EXPECT_GE(static_cast<double>(refined.size()), GetParam().share * static_cast<double>(target.points.size()));
@@ -130,7 +130,7 @@ TEST_P(RenderedBoard, IsRefinedFromAPredictionThatIsAPixelOff) {
 TEST_P(RenderedBoard, IsNotRefinedWhereThereIsNone) {
   const cv::Mat blank(image.size(), CV_8U, cv::Scalar(120));
   std::vector<Observation> predicted;
-  for (const TargetPoint& point : target.points) predicted.push_back({point.id, truth(point.id), 1.0});
+  for (const TargetPoint& point : target.points) predicted.push_back({truth(point.id), 1.0, point.id});
   EXPECT_TRUE(refine_predicted(board, blank, predicted).empty());
   EXPECT_TRUE(detect(board, blank).observations.empty());
 }

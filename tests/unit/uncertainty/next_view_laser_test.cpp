@@ -48,7 +48,7 @@ CalibrationProblem with_board(const LaserWorld& made, const Rigid3& rig_from_tar
   TargetView view{.camera = 0, .frame = static_cast<int>(problem.frames.size()) - 1, .target = 0, .observations = {}};
   for (const TargetPoint& point : target.points) {
     const auto pixel = seen(point.x_in_target);
-    if (pixel) view.observations.push_back({point.id, *pixel, problem.views[0].observations[0].sigma_px});
+    if (pixel) view.observations.push_back({*pixel, problem.views[0].observations[0].sigma_px, point.id});
   }
   const BoardSurface surface(target);
   for (std::size_t b = 0; b < made.laser.lines.size(); ++b) {

@@ -44,7 +44,7 @@ CalibrationProblem with_board(const SyntheticWorld& world, const Rigid3& rig_fro
     if (!pixel || pixel->minCoeff() < 0) continue;
     if (pixel->x() > camera.size.width - 1 || pixel->y() > camera.size.height - 1) continue;
     const Eigen::Vector2d error(noise(random), noise(random));
-    view.observations.push_back({point.id, *pixel + error, problem.views[0].observations[0].sigma_px});
+    view.observations.push_back({*pixel + error, problem.views[0].observations[0].sigma_px, point.id});
   }
   problem.views.push_back(view);
   return problem;

@@ -12,9 +12,10 @@ namespace raybundle {
 
 /// Where a board point was measured in an image.
 struct Observation {
-  int point_id = 0;
+  // 32 bytes in this order, 48 with the id first.
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< [px], (0, 0) is the centre of the top-left pixel
   double sigma_px = 1.0;                            ///< standard deviation of each coordinate, > 0
+  int point_id = 0;
 };
 
 /// What one camera saw of one board in one frame. Indices refer to the CalibrationProblem.
