@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cctype>
 #include <chrono>
-#include <cstring>
+#include <functional>
 #include <map>
 #include <set>
 
@@ -62,28 +62,45 @@ std::vector<std::vector<CachedFrame>> detect_files(const Dataset& dataset, const
   return found;
 }
 
-// The size of all images of a camera. The file with another size than the first is named.
-void check_size(ImageSize& size, const CachedFrame& frame, const std::string& camera, const std::string& path,
-                std::string& first_path) {
-  const ImageSize this_size{frame.width, frame.height};
-  if (size == ImageSize{}) {
-    size = this_size;
-    first_path = path;
+// The size that more than half of a camera's images have; none when it has no images.
+ImageSize size_of_most(int camera, const std::string& name, const std::vector<ImageFile>& files,
+                       const std::vector<std::vector<CachedFrame>>& found) {
+  struct Alike {
+    ImageSize size;
+    std::string example;
+    int count = 0;
+  };
+  std::vector<Alike> sizes;
+  int images = 0;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (files[i].camera != camera) continue;
+    for (const CachedFrame& frame : found[i]) {
+      const ImageSize size{frame.width, frame.height};
+      auto alike = std::ranges::find(sizes, size, &Alike::size);
+      if (alike == sizes.end()) alike = sizes.insert(sizes.end(), {size, files[i].path});
+      ++alike->count;
+      ++images;
+    }
   }
-  if (size == this_size) return;
+  if (sizes.empty()) return {};
+  std::ranges::stable_sort(sizes, std::greater(), &Alike::count);
+  if (2 * sizes[0].count > images) return sizes[0].size;
   throw Error(ErrorKind::kBadInput,
               fmt::format("camera {} has images of different sizes: {} is {}x{}, {} is {}x{}; give each its own camera",
-                          camera, first_path, size.width, size.height, path, this_size.width, this_size.height));
+                          name, sizes[0].example, sizes[0].size.width, sizes[0].size.height, sizes[1].example,
+                          sizes[1].size.width, sizes[1].size.height));
 }
 
-// Names of frames in the order in which a person would count them.
-std::vector<std::string> frames_in_order(const std::set<std::string>& names) {
-  std::vector<std::string> frames(names.begin(), names.end());
-  std::ranges::sort(frames, [](const std::string& a, const std::string& b) {
-    const int order = strverscmp(a.c_str(), b.c_str());
-    return order != 0 ? order < 0 : a < b;
-  });
-  return frames;
+void refuse_shared_images(const Dataset& dataset, const std::vector<ImageFile>& files) {
+  std::map<std::string, int> camera_of;
+  for (const ImageFile& file : files) {
+    const int other = camera_of.emplace(file.path, file.camera).first->second;
+    if (other == file.camera) continue;
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("is given to camera {} and to camera {}; narrow the pattern of one",
+                            dataset.cameras[other].name, dataset.cameras[file.camera].name),
+                file.path);
+  }
 }
 
 int index_of(const std::vector<std::string>& names, const std::string& name) {
@@ -115,6 +132,7 @@ DetectedImages detect_images(const Dataset& dataset, const DetectOptions& option
     const std::vector<ImageFile> files = image_files(c, dataset.folder, dataset.cameras[c].images);
     images.files.insert(images.files.end(), files.begin(), files.end());
   }
+  refuse_shared_images(dataset, images.files);
   std::vector<std::string> unreadable;
   const std::vector<std::vector<CachedFrame>> found = detect_files(dataset, options, images.files, unreadable);
 
@@ -127,21 +145,30 @@ DetectedImages detect_images(const Dataset& dataset, const DetectOptions& option
   for (const auto& frames : found) {
     for (const CachedFrame& frame : frames) frame_names.insert(frame.frame);
   }
-  problem.frames = frames_in_order(frame_names);
+  problem.frames.assign(frame_names.begin(), frame_names.end());
+  sort_by_number(problem.frames);
   for (const DatasetCamera& camera : dataset.cameras) {
     std::optional<ModelId> model;
     if (!camera.model.empty()) model = model_from_name(camera.model, "camera " + camera.name);
     images.observations.models.push_back(model);
     problem.cameras.push_back({camera.name, model.value_or(ModelId{}), {}, {}, {}});
   }
-  std::vector<std::string> first_paths(dataset.cameras.size());
+  for (std::size_t c = 0; c < dataset.cameras.size(); ++c) {
+    problem.cameras[c].size = size_of_most(static_cast<int>(c), dataset.cameras[c].name, images.files, found);
+  }
   std::map<std::string, std::string> hints;  // by their words: those that differ in a count only are one
   for (std::size_t i = 0; i < images.files.size(); ++i) {
     const ImageFile& file = images.files[i];
     const std::string& camera = dataset.cameras[file.camera].name;
     if (!unreadable[i].empty()) images.unused.push_back({camera, file.frame, file.path, unreadable[i]});
     for (const CachedFrame& frame : found[i]) {
-      check_size(problem.cameras[file.camera].size, frame, camera, file.path, first_paths[file.camera]);
+      const ImageSize size = problem.cameras[file.camera].size;
+      if (size != ImageSize{frame.width, frame.height}) {
+        images.unused.push_back({camera, frame.frame, file.path,
+                                 fmt::format("is {}x{}, but most images of its camera are {}x{}", frame.width,
+                                             frame.height, size.width, size.height)});
+        continue;
+      }
       bool any = false;
       for (std::size_t b = 0; b < frame.boards.size(); ++b) {
         const Detection& detection = frame.boards[b];

@@ -73,29 +73,66 @@ bool truncated(const std::string& path) {
   return false;
 }
 
-}  // namespace
-
-bool is_video(const std::string& path) {
-  static constexpr std::array kEndings{".mp4", ".avi", ".mkv", ".mov", ".webm"};
+bool ends_with_one_of(std::initializer_list<const char*> endings, const std::string& path) {
   std::string ending = std::filesystem::path(path).extension().string();
   std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::ranges::find(kEndings, ending) != kEndings.end();
+  return std::ranges::find(endings, ending) != endings.end();
 }
+
+std::vector<ImageFile> files_of_camera(int camera, const std::vector<std::string>& paths) {
+  const std::vector<std::string> names = frame_names(paths);
+  std::map<std::string, std::string> path_of_frame;
+  std::vector<ImageFile> files;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const bool video = is_video(paths[i]);
+    if (video && paths.size() > 1) {
+      throw Error(ErrorKind::kBadInput,
+                  fmt::format("is a video among {} files of one camera, which has one video or images", paths.size()),
+                  paths[i]);
+    }
+    const auto [before, is_new] = path_of_frame.insert({names[i], paths[i]});
+    if (!is_new) {
+      throw Error(ErrorKind::kBadInput, fmt::format("{} and {} would both be frame {}; narrow the image pattern",
+                                                    before->second, paths[i], names[i]));
+    }
+    files.push_back({camera, paths[i], video ? "" : names[i], video});
+  }
+  return files;
+}
+
+}  // namespace
+
+bool is_image(const std::string& path) {
+  return ends_with_one_of({".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".bmp", ".tif", ".tiff", ".webp"}, path);
+}
+
+bool is_video(const std::string& path) { return ends_with_one_of({".mp4", ".avi", ".mkv", ".mov", ".webm"}, path); }
 
 struct GreyVideo::Data {
   cv::VideoCapture video;
   cv::Mat image;
 };
 
-// Of OpenCV's readers the one for files; others look for cameras on the USB when a file is no video.
-GreyVideo::GreyVideo(const std::string& path)
-    : data_(std::make_unique<Data>(cv::VideoCapture(path, cv::CAP_FFMPEG), cv::Mat())) {}
+// Of OpenCV's readers the one for files; others look for cameras on the USB when a file is no video. What is wrong with
+// a file the caller says; ffmpeg is to be quiet unless somebody asks it to speak.
+GreyVideo::GreyVideo(const std::string& path) {
+  constexpr const char* kQuiet = "-8";
+  setenv("OPENCV_FFMPEG_LOGLEVEL", kQuiet, 0);
+  data_ = std::make_unique<Data>(cv::VideoCapture(path, cv::CAP_FFMPEG), cv::Mat());
+}
 GreyVideo::~GreyVideo() = default;
 
 cv::Mat GreyVideo::next() {
   cv::Mat grey;
   if (data_->video.read(data_->image)) cv::cvtColor(data_->image, grey, cv::COLOR_BGR2GRAY);
   return grey;
+}
+
+void sort_by_number(std::vector<std::string>& files) {
+  std::ranges::sort(files, [](const std::string& a, const std::string& b) {
+    const int order = strverscmp(a.c_str(), b.c_str());
+    return order != 0 ? order < 0 : a < b;
+  });
 }
 
 std::vector<std::string> matching_files(const std::string& folder, const std::vector<std::string>& patterns) {
@@ -106,32 +143,21 @@ std::vector<std::string> matching_files(const std::string& folder, const std::ve
     if (found.empty()) refuse_empty(whole);
     files.insert(files.end(), found.begin(), found.end());
   }
-  std::ranges::sort(files, [](const std::string& a, const std::string& b) {
-    const int order = strverscmp(a.c_str(), b.c_str());
-    return order != 0 ? order < 0 : a < b;
-  });
+  sort_by_number(files);
   files.erase(std::unique(files.begin(), files.end()), files.end());
   return files;
 }
 
 std::vector<ImageFile> image_files(int camera, const std::string& folder, const std::vector<std::string>& patterns) {
-  const std::vector<std::string> paths = matching_files(folder, patterns);
-  const std::vector<std::string> names = frame_names(paths);
-  std::map<std::string, std::string> path_of_frame;
-  std::vector<ImageFile> files;
-  for (std::size_t i = 0; i < paths.size(); ++i) {
-    const bool video = is_video(paths[i]);
-    if (video && paths.size() > 1) {
-      throw Error(ErrorKind::kBadInput, "a camera has one video or many images, not several videos; see " + paths[i]);
-    }
-    const auto [before, is_new] = path_of_frame.insert({names[i], paths[i]});
-    if (!is_new) {
-      throw Error(ErrorKind::kBadInput, fmt::format("{} and {} would both be frame {}; narrow the image pattern",
-                                                    before->second, paths[i], names[i]));
-    }
-    files.push_back({camera, paths[i], video ? "" : names[i], video});
-  }
-  return files;
+  return files_of_camera(camera, matching_files(folder, patterns));
+}
+
+std::vector<ImageFile> images_in_folder(int camera, const std::string& folder) {
+  std::vector<std::string> paths = glob_files((std::filesystem::path(folder) / "*").string());
+  std::erase_if(paths, [](const std::string& path) { return !is_image(path) && !is_video(path); });
+  if (paths.empty()) throw Error(ErrorKind::kIo, "holds no images and no video", folder);
+  sort_by_number(paths);
+  return files_of_camera(camera, paths);
 }
 
 cv::Mat read_gray(const std::string& path, std::string& reason) {

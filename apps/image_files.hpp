@@ -18,6 +18,9 @@ struct ImageFile {
   bool video = false;
 };
 
+/// Sorts names as a person would count them: numbers in numeric order.
+void sort_by_number(std::vector<std::string>& names);
+
 /// Files that match the patterns, sorted by name with numbers in numeric order.
 ///
 /// @throws Error(kIo) when a pattern matches nothing: names the pattern and the folder, and what is there instead
@@ -27,6 +30,11 @@ std::vector<std::string> matching_files(const std::string& folder, const std::ve
 ///
 /// @throws Error(kBadInput) when two files would be the same frame
 std::vector<ImageFile> image_files(int camera, const std::string& folder, const std::vector<std::string>& patterns);
+
+/// The images of a camera that has a folder of its own, or its video; files of other kinds do not count.
+///
+/// @throws Error(kIo) when there are none; Error(kBadInput) as image_files
+std::vector<ImageFile> images_in_folder(int camera, const std::string& folder);
 
 /// An 8- or 16-bit grey image; empty, with the reason set, when the file is truncated or no image.
 cv::Mat read_gray(const std::string& path, std::string& reason);
@@ -38,7 +46,8 @@ cv::Mat read_gray(const std::string& path);
 
 inline constexpr const char* kNoVideo = "not a video that can be decoded";  ///< why a video has no first frame
 
-/// Whether a path ends as those of videos do.
+/// Whether a path ends as those of images, or of videos, do.
+bool is_image(const std::string& path);
 bool is_video(const std::string& path);
 
 /// The grey frames of a video, one after the other.

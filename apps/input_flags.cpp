@@ -115,6 +115,12 @@ DetectOptions detect_options(const InputFlags& flags, const Dataset& dataset) {
 
 Dataset dataset_of(const InputFlags& flags, bool need_models) {
   Dataset dataset;
+  if (is_image(flags.dataset)) {
+    refuse(
+        fmt::format("{} is an image where a dataset.toml may stand; put the pattern of --camera in quotes, as in "
+                    "--camera left='left*.jpg'",
+                    flags.dataset));
+  }
   if (!flags.dataset.empty()) dataset = read_dataset(flags.dataset);
   if (flags.threads) dataset.options.threads = *flags.threads;
   if (!flags.target.empty()) dataset.boards = {{"board", board_of(flags.target)}};

@@ -114,6 +114,7 @@ int add_predicted_corners(const Dataset& dataset, const CalibrationResult& resul
       const BoardPose* pose = pose_of_incomplete(key);
       if (pose == nullptr) continue;
       const RigCamera& rig_camera = *camera->second;
+      if (rig_camera.camera.size != ImageSize{gray.cols, gray.rows}) return;  // left out before
       const std::vector<Observation> predicted =
           predict(rig_camera.camera, rig_camera.camera_from_rig * pose->rig_from_target, result.calibration.targets[t]);
       std::vector<Observation> corners = refine_predicted(dataset.boards[t].board, gray, predicted);

@@ -99,11 +99,25 @@ TEST_F(BadInput, AllImagesUnreadable) {
 
 TEST_F(BadInput, MixedImageSizes) {
   RAYBUNDLE_NEEDS_DATA(kImages);
-  copy_images(4);
+  copy_images(8);
+  for (const char* name : {"left05.jpg", "left06.jpg", "left07.jpg", "left08.jpg"}) {
+    cv::Mat half;
+    cv::resize(cv::imread((place / name).string()), half, {}, 0.5, 0.5);
+    cv::imwrite((place / name).string(), half);
+  }
+  refuses(images(), 2, {"different sizes", "640x480", "320x240", "left01.jpg", "left05.jpg"});
+}
+
+TEST_F(BadInput, AnImageOfAnotherSizeCostsOnlyItself) {
+  RAYBUNDLE_NEEDS_DATA(kImages);
+  copy_images(8);
   cv::Mat half;
   cv::resize(cv::imread((place / "left04.jpg").string()), half, {}, 0.5, 0.5);
   cv::imwrite((place / "left04.jpg").string(), half);
-  refuses(images(), 2, {"different sizes", "640x480", "320x240", "left04.jpg"});
+  const nlohmann::json report = calibrate(place, images());
+  EXPECT_EQ(camera_in(report, "left").at("views_used"), 7);
+  EXPECT_THAT(report.at("set_aside").dump(),
+              HasSubstr("left04.jpg\",\"reason\":\"is 320x240, but most images of its camera are 640x480"));
 }
 
 TEST_F(BadInput, AnotherBoardSaysHowManyCornersWereSeen) {
