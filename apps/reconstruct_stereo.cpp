@@ -47,6 +47,11 @@ struct Moment {
   std::string lit;  // the left camera with the laser on; empty: none
 };
 
+// The images of one moment; `lit` may be empty, or the left one itself.
+struct Images {
+  cv::Mat left, right, lit;
+};
+
 cv::Mat image_at(const std::string& path) {
   const cv::Mat image = read_gray(path);
   if (image.depth() == CV_8U) return image;
@@ -54,6 +59,11 @@ cv::Mat image_at(const std::string& path) {
   image.convertTo(bytes, CV_8U, 1.0 / 256.0);
   return bytes;
 }
+
+// Real pairs match 12 to 43 % of what both cameras show; with left and right exchanged, by chance, 5 to 12 %, which is
+// a third of what they match the right way round, and at most a half.
+constexpr double kFewMatched = 0.25;
+constexpr double kExchanged = 1.5;  // times as many matches the other way round
 
 /// Takes pairs one after the other and writes what they say.
 class Reconstruction {
@@ -70,13 +80,34 @@ class Reconstruction {
     fmt::print("{:<16} {:>8} {:>8} {:>9} {:>10}  {}\n", "frame", "points", "matched", "depth m", "sigma mm", "state");
   }
 
-  void take(const Moment& moment, const cv::Mat& left, const cv::Mat& right) {
+  // Reads the images of a moment; those that are not what they should be cost only themselves.
+  void take(const Moment& moment, bool only_one) {
+    Images images;
+    try {
+      images = {image_at(moment.left), image_at(moment.right), {}};
+      if (moment.lit == moment.left)
+        images.lit = images.left;
+      else if (!moment.lit.empty())
+        images.lit = image_at(moment.lit);
+      require_sizes(moment, images);  // here a wrong one costs its pair only
+    } catch (const Error& error) {
+      if (only_one) throw;
+      say_warning(fmt::format("{}; the pair is left out", error.what()));
+      ++left_out_;
+      return;
+    }
+    take(moment, images);
+  }
+
+  /// @throws Error(kBadInput) when an image has another size than its camera
+  void take(const Moment& moment, const Images& images) {
+    require_sizes(moment, images);
     const std::string& name = moment.name;
-    require_size(left, setup_.left.camera.size, moment.left);
-    require_size(right, setup_.right.camera.size, moment.right);
-    const std::span<const AnchorDot> dots = anchors_of(moment, left);
+    const cv::Mat &left = images.left, &right = images.right;
+    std::span<const AnchorDot> dots;
+    if (anchors_) dots = anchors_->take(images.lit, moment.lit == moment.left ? cv::Mat() : left);
     const StereoFrame frame = setup_.matcher.process(view_of(left), view_of(right), dots);
-    nlohmann::ordered_json more = nlohmann::ordered_json::object();
+    nlohmann::ordered_json more{{"nearest_m", setup_.nearest_m}};
     if (cabin_) more["cabin"] = cabin_->take(frame);
     if (exposure_) more["exposure"] = exposure_->advise(view_of(left));
     if (anchors_) {
@@ -99,18 +130,8 @@ class Reconstruction {
     }
     flags_.json ? static_cast<void>(fmt::print("{}", files.json)) : print_row(name, frame);
     std::fflush(stdout);
-    if (frame.state != State::kOk) {
-      say_warning(fmt::format("{}: only {:.1f} % of what both cameras show was matched", name,
-                              100.0 * frame.disparity.matched / std::max(1, setup_.matcher.covered())));
-      ++missed_;
-    }
+    judge(name, frame, images);
     ++taken_;
-  }
-
-  // A pair that cannot be read does not cost the others.
-  void leave_out(const Error& unreadable) {
-    say_warning(fmt::format("{}; the pair is left out: copy the image again", unreadable.what()));
-    ++left_out_;
   }
 
   void finish() const {
@@ -121,29 +142,30 @@ class Reconstruction {
       fmt::print("\nwrote {}: rectified pair, disparity, depth, PLY and JSON for each of {} pairs\nlook  {}\n",
                  flags_.output, taken_, page.string());
     }
-    if (left_out_ > 0) say_warning(fmt::format("{} of {} pairs could not be read", left_out_, taken_ + left_out_));
+    if (left_out_ > 0) say_warning(fmt::format("{} of {} pairs could not be used", left_out_, taken_ + left_out_));
+    if (exchanged_ > 0)
+      say_warning(fmt::format("{} of {} pairs fit the other way round: exchange LEFT and RIGHT", exchanged_, taken_));
     if (missed_ > 0) {
       say_warning(fmt::format(
-          "{} of {} pairs missed the gate of {:g} % matched: are both images of one moment, left and right not "
-          "exchanged, and the cameras where they were when they were calibrated?",
+          "{} of {} pairs missed the gate of {:g} % matched: are both images of one moment, and the cameras where "
+          "they were when they were calibrated?",
           missed_, taken_, flags_.stereo.least_matched_percent));
     }
-    if (left_out_ + missed_ > 0) throw GateFailed{};
+    if (left_out_ + missed_ + exchanged_ > 0) throw GateFailed{};
   }
 
  private:
   fs::path page_file() const { return fs::path(flags_.output) / "stereo.html"; }
 
-  std::span<const AnchorDot> anchors_of(const Moment& moment, const cv::Mat& left) {
-    if (!anchors_) return {};
+  void require_sizes(const Moment& moment, const Images& images) const {
+    require_size(images.left, setup_.left.camera.size, moment.left);
+    require_size(images.right, setup_.right.camera.size, moment.right);
+    if (!anchors_) return;
     if (moment.lit.empty()) {
       throw Error(ErrorKind::kBadInput,
                   "there is no image with the laser on for this one; add it, or leave --laser out", moment.left);
     }
-    const bool itself = moment.lit == moment.left;
-    const cv::Mat lit = itself ? left : image_at(moment.lit);
-    require_size(lit, setup_.left.camera.size, moment.lit);
-    return anchors_->take(lit, itself ? cv::Mat() : left);
+    require_size(images.lit, setup_.left.camera.size, moment.lit);
   }
 
   static void require_size(const cv::Mat& image, ImageSize size, const std::string& path) {
@@ -155,13 +177,40 @@ class Reconstruction {
         path);
   }
 
+  double matched_share(int matched) const {
+    return static_cast<double>(matched) / std::max(1, setup_.matcher.covered());
+  }
+
+  // The last that is done with a frame: to look whether left and right are exchanged is to match once more.
+  void judge(const std::string& name, const StereoFrame& frame, const Images& images) {
+    const double share = matched_share(frame.disparity.matched);
+    const bool missed = frame.state != State::kOk;
+    bool exchanged = false;
+    if (share < kFewMatched && setup_.left.camera.size == setup_.right.camera.size) {
+      const StereoFrame other = setup_.matcher.process(view_of(images.right), view_of(images.left));
+      const double other_share = matched_share(other.disparity.matched);
+      exchanged = other_share > kExchanged * share;
+      if (exchanged) {
+        say_warning(
+            fmt::format("{}: left and right seem to be exchanged: {:.1f} % was matched, the other way round it "
+                        "would be {:.1f} %",
+                        name, 100 * share, 100 * other_share));
+      }
+    }
+    if (missed && !exchanged)
+      say_warning(fmt::format("{}: only {:.1f} % of what both cameras show was matched", name, 100 * share));
+    missed_ += missed && !exchanged;
+    exchanged_ += exchanged;
+  }
+
   void print_row(const std::string& name, const StereoFrame& frame) const {
     const StereoSummary summary = summary_of(frame);
     fmt::print("{:<16} {:>8} {:>6.1f} % {:>9} {:>10}  {}\n", name, summary.points,
-               100.0 * summary.points / std::max(1, setup_.matcher.covered()),
+               100 * matched_share(frame.disparity.matched),
                summary.points > 0 ? fmt::format("{:.3f}", summary.median_depth_m) : "-",
                summary.points > 0 ? fmt::format("{:.1f}", 1e3 * summary.median_sigma_m) : "-", state_name(frame.state));
     if (cabin_) fmt::print("{:<16} {}\n", "", cabin_->words());
+    if (exposure_) fmt::print("{:<16} {}\n", "", exposure_->words());
   }
 
   const Flags& flags_;
@@ -172,24 +221,32 @@ class Reconstruction {
   nlohmann::json page_ = nlohmann::json::array();
   int taken_ = 0;
   int missed_ = 0;  // of the gate
+  int exchanged_ = 0;
   int left_out_ = 0;
 };
 
 std::vector<ImageFile> files_of(int camera, const std::string& pattern) {
-  return fs::is_directory(pattern) ? image_files(camera, pattern, {"*"}) : image_files(camera, "", {pattern});
+  return fs::is_directory(pattern) ? images_in_folder(camera, pattern) : image_files(camera, "", {pattern});
 }
 
-void take_videos(const std::string& left, const std::string& right, Reconstruction& reconstruction) {
-  GreyVideo left_video(left), right_video(right);
+// Frames with the same number belong together, until the first of the videos ends.
+void take_videos(const std::vector<std::string>& paths, Reconstruction& reconstruction) {
+  std::vector<std::unique_ptr<GreyVideo>> videos;
+  for (const std::string& path : paths) videos.push_back(std::make_unique<GreyVideo>(path));
   for (int frame = 0;; ++frame) {
-    const cv::Mat in_left = left_video.next(), in_right = right_video.next();
-    for (const auto& [image, path] : {std::pair(&in_left, &left), std::pair(&in_right, &right)}) {
-      if (frame == 0 && image->empty()) throw Error(ErrorKind::kIo, kNoVideo, *path);
+    std::vector<cv::Mat> images;
+    for (const auto& video : videos) images.push_back(video->next());
+    const auto ended = std::ranges::find_if(images, [](const cv::Mat& image) { return image.empty(); });
+    if (ended != images.end()) {
+      const std::string& path = paths[ended - images.begin()];
+      if (frame == 0) throw Error(ErrorKind::kIo, kNoVideo, path);
+      const bool all = std::ranges::all_of(images, [](const cv::Mat& image) { return image.empty(); });
+      if (!all) say_warning(fmt::format("{} ends first, after {} frames", path, frame));
+      return;
     }
-    if (in_left.empty() != in_right.empty())
-      say_warning(fmt::format("{} ends first, after {} frames", in_left.empty() ? left : right, frame));
-    if (in_left.empty() || in_right.empty()) return;
-    reconstruction.take({fmt::format("{:06}", frame), left, right, ""}, in_left, in_right);
+    const bool laser = images.size() == 3;
+    reconstruction.take({fmt::format("{:06}", frame), paths[0], paths[1], laser ? paths[2] : ""},
+                        {images[0], images[1], laser ? images[2] : cv::Mat()});
   }
 }
 
@@ -220,35 +277,44 @@ std::vector<Moment> moments_of(const std::vector<ImageFile>& left, const std::ve
   return moments;
 }
 
+// Results among the images would be taken for images by the next run.
+void refuse_output_among(const std::vector<ImageFile>& files, const std::string& output) {
+  std::error_code ignored;
+  for (const ImageFile& file : files) {
+    const fs::path folder = fs::path(file.path).parent_path();
+    if (!fs::equivalent(folder.empty() ? fs::path(".") : folder, output, ignored)) continue;
+    throw Error(
+        ErrorKind::kBadInput,
+        fmt::format("{} lies in the output folder, where results would mix with the images; choose another with "
+                    "-o",
+                    file.path));
+  }
+}
+
 void run(const Flags& flags) {
   const std::vector<ImageFile> left = files_of(0, flags.left);
   const std::vector<ImageFile> right = files_of(1, flags.right);
   const std::vector<ImageFile> lit = flags.laser.empty() ? std::vector<ImageFile>() : files_of(0, flags.laser);
+  std::vector<std::string> videos;
+  std::size_t sequences = 0;
+  for (const std::vector<ImageFile>* files : {&left, &right, &lit}) {
+    refuse_output_among(*files, flags.output);
+    sequences += !files->empty();
+    if (!files->empty() && files->front().video) videos.push_back(files->front().path);
+  }
+  if (!videos.empty() && videos.size() < sequences) {
+    throw Error(ErrorKind::kBadInput, "is a video, and others are images; give videos of all, or images", videos[0]);
+  }
   for (std::size_t i = 0; i < std::min(left.size(), right.size()); ++i) {
     if (left[i].path != right[i].path) continue;
     throw Error(ErrorKind::kBadInput, "is given as left and as right; name the images of either camera", left[i].path);
   }
-  const bool videos = left.size() == 1 && right.size() == 1 && left[0].video && right[0].video;
-  if (!flags.laser.empty() && (videos || lit[0].video)) {
-    throw Error(ErrorKind::kBadInput,
-                "--laser goes with images, not with videos; take the frames out of the video first");
-  }
   Reconstruction reconstruction(flags);
-  if (videos) {
-    take_videos(left[0].path, right[0].path, reconstruction);
+  if (!videos.empty()) {
+    take_videos(videos, reconstruction);
   } else {
     const std::vector<Moment> moments = moments_of(left, right, lit);
-    for (const Moment& moment : moments) {
-      cv::Mat in_left, in_right;
-      try {
-        in_left = image_at(moment.left), in_right = image_at(moment.right);
-      } catch (const Error& error) {
-        if (moments.size() == 1) throw;
-        reconstruction.leave_out(error);
-        continue;
-      }
-      reconstruction.take(moment, in_left, in_right);
-    }
+    for (const Moment& moment : moments) reconstruction.take(moment, moments.size() == 1);
   }
   reconstruction.finish();
 }

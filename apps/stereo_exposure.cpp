@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stereo_exposure.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -25,13 +27,20 @@ ExposureAdvice::ExposureAdvice(ImageSize size, const std::vector<double>& taken_
 
 nlohmann::ordered_json ExposureAdvice::advise(GreyView image) {
   constexpr int kSteps = 40;  // the control goes half of the way with each image: here it has one image for all of it
-  ExposureReport report;
-  for (int i = 0; i < kSteps; ++i) report = control_.update(image, taken_with_);
-  return {{"state", state_name(report.state)},
-          {"median_grey", report.median_grey},
-          {"saturated_share", report.saturated_share},
-          {"right", report.settled},
-          {"next", {{"shutter_ms", 1e3 * report.next.shutter_s}, {"gain", report.next.gain}}}};
+  for (int i = 0; i < kSteps; ++i) report_ = control_.update(image, taken_with_);
+  return {{"state", state_name(report_.state)},
+          {"median_grey", report_.median_grey},
+          {"saturated_share", report_.saturated_share},
+          {"right", report_.settled},
+          {"next", {{"shutter_ms", 1e3 * report_.next.shutter_s}, {"gain", report_.next.gain}}}};
+}
+
+std::string ExposureAdvice::words() const {
+  const std::string seen =
+      fmt::format("median grey {:.0f}, {:.1f} % saturated", report_.median_grey, 100 * report_.saturated_share);
+  if (report_.settled) return "exposure right: " + seen;
+  return fmt::format("exposure: {}; next {:.3g} ms, gain {:.3g}{}", seen, 1e3 * report_.next.shutter_s,
+                     report_.next.gain, report_.state == State::kOk ? "" : ", the limit");
 }
 
 }  // namespace raybundle::apps

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 #include <vector>
 
 #include "raybundle/stereo/exposure_control.hpp"
@@ -18,9 +19,13 @@ class ExposureAdvice {
   /// The "exposure" of docs/formats/stereo.md.
   nlohmann::ordered_json advise(GreyView image);
 
+  /// The last advice in a few words, for a row of a table.
+  std::string words() const;
+
  private:
   Exposure taken_with_;
   ExposureControl control_;
+  ExposureReport report_;
 };
 
 }  // namespace raybundle::apps

@@ -128,19 +128,27 @@ StereoSetup stereo_setup(const std::string& calibration_path, const StereoFlags&
   if (with_dots) options.dots = DotFusionOptions{};
   const Rectification pair = rectify(left, right, options.rectify);
   const double near_m = flags.near_m > 0 ? flags.near_m : kNearBaselines * pair.baseline_m;
-  const int wanted = static_cast<int>(std::ceil(disparity_at(pair, near_m))) + 2 - flags.least_disparity;
-  options.match.disparities = flags.disparities > 0 ? flags.disparities : std::clamp(wanted, 1, kMostDisparities);
+  const double wanted = std::ceil(disparity_at(pair, near_m)) + 2 - flags.least_disparity;
+  if (flags.near_m > 0 && flags.disparities == 0 && (wanted < 1 || wanted > kMostDisparities)) {
+    throw Error(
+        ErrorKind::kBadInput,
+        fmt::format("--near {:g} with --least-disparity {} is a search of {} disparities, which must be 1 to {}; "
+                    "take another distance, or rectify to a smaller --width",
+                    flags.near_m, flags.least_disparity, wanted, kMostDisparities));
+  }
+  options.match.disparities =
+      flags.disparities > 0 ? flags.disparities : static_cast<int>(std::clamp(wanted, 1.0, 1.0 * kMostDisparities));
   options.match.mask = census_for(options.match.disparities);
   options.match.coarse_levels =
       flags.coarse_levels >= 0 ? flags.coarse_levels : coarse_levels_for(options.match.disparities);
-  StereoSetup setup{left, right, StereoMatcher(file.calibration, left.name, right.name, options), {}};
-  setup.said.push_back(rectification_text(pair));
   const int last = options.match.least_disparity + options.match.disparities - 1;
+  const double nearest_m =
+      distance_from_disparity(pair.camera, pair.baseline_m, pair.camera.centre_px.x(), std::max(1, last));
+  StereoSetup setup{left, right, StereoMatcher(file.calibration, left.name, right.name, options), nearest_m, {}};
+  setup.said.push_back(rectification_text(pair));
   setup.said.push_back(
       fmt::format("searched: {} disparities from {}, which is from {:.3f} m on; one pixel is {:.1f} mm at 1 m",
-                  options.match.disparities, options.match.least_disparity,
-                  distance_from_disparity(pair.camera, pair.baseline_m, pair.camera.centre_px.x(), last),
-                  1e3 / disparity_at(pair, 1.0)));
+                  options.match.disparities, options.match.least_disparity, nearest_m, 1e3 / disparity_at(pair, 1.0)));
   return setup;
 }
 

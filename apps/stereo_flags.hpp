@@ -45,6 +45,7 @@ void declare_stereo_flags(CLI::App& verb, StereoFlags& flags);
 struct StereoSetup {
   RigCamera left, right;
   StereoMatcher matcher;
+  double nearest_m = 0.0;         ///< that is searched, at the middle of the image
   std::vector<std::string> said;  ///< what the user should know of it
 };
 StereoSetup stereo_setup(const std::string& calibration, const StereoFlags& flags, bool with_dots);

@@ -8,6 +8,7 @@
 #include <iostream>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/videoio.hpp>
 #include <set>
 
 #include "browser.hpp"
@@ -156,6 +157,59 @@ TEST(ReconstructStereo, FailsTheGateForImagesThatHaveNothingInCommon) {
   EXPECT_NE(unrelated.err.find("of one moment"), std::string::npos) << unrelated.err;
 }
 
+// Some of what is exchanged matches by chance, more than the gate asks for.
+TEST(ReconstructStereo, SaysThatLeftAndRightAreExchanged) {
+  RAYBUNDLE_NEEDS_DATA("opencv_stereo_chess");
+  const fs::path folder = fresh_folder();
+  const std::string images = real_data("opencv_stereo_chess").string() + "/";
+  calibrate(folder, {"--target", "chessboard:9x6:25mm", "--camera", "left=" + images + "left0?.jpg", "--camera",
+                     "right=" + images + "right0?.jpg", "--model", "brown_conrady"});
+  const auto run = [&](const char* left, const char* right) {
+    return raybundle_program({"reconstruct", "stereo", (folder / "out" / "calibration.json").string(), images + left,
+                              images + right, "-o", (folder / "points").string(), "--least-matched", "1"});
+  };
+  const ProgramRun straight = run("left0[35].jpg", "right0[35].jpg"),
+                   exchanged = run("right0[35].jpg", "left0[35].jpg");
+  EXPECT_EQ(straight.exit_code, 0) << straight.err;
+  EXPECT_EQ(exchanged.exit_code, 1);
+  EXPECT_NE(exchanged.err.find("2 of 2 pairs fit the other way round"), std::string::npos) << exchanged.err;
+}
+
+// A folder of images as people have them: with a note in it, and one image from somewhere else.
+TEST(ReconstructStereo, TakesTheImagesOfFolders) {
+  RAYBUNDLE_NEEDS_DATA("opencv_stereo_chess");
+  const fs::path folder = fresh_folder();
+  const std::string images = real_data("opencv_stereo_chess").string() + "/";
+  calibrate(folder, {"--target", "chessboard:9x6:25mm", "--camera", "left=" + images + "left0?.jpg", "--camera",
+                     "right=" + images + "right0?.jpg", "--model", "brown_conrady"});
+  for (const std::string side : {"left", "right"}) {
+    fs::create_directory(folder / side);
+    for (const char* number : {"01", "02"}) {
+      fs::copy_file(images + side + number + ".jpg", folder / side / (side + number + ".jpg"));
+    }
+    write_text(folder / side / "notes_03.txt", "taken in the morning");
+    cv::imwrite((folder / side / (side + "03.jpg")).string(), cv::Mat(48, 64, CV_8U, cv::Scalar(90)));
+  }
+  const auto run = [&](const std::string& left, const std::string& out) {
+    return raybundle_program({"reconstruct", "stereo", (folder / "out" / "calibration.json").string(), left,
+                              (folder / "right").string(), "-o", out});
+  };
+  const ProgramRun good = run((folder / "left").string(), (folder / "points").string());
+  EXPECT_EQ(good.exit_code, 1);
+  EXPECT_NE(good.err.find("left03.jpg: is 64x48"), std::string::npos) << good.err;
+  EXPECT_NE(good.err.find("1 of 3 pairs could not be used"), std::string::npos) << good.err;
+  for (const char* file : {"1.json", "2.json", "stereo.html"})
+    EXPECT_TRUE(fs::exists(folder / "points" / file)) << file;
+  EXPECT_FALSE(fs::exists(folder / "points" / "3.json"));
+  const ProgramRun among = run((folder / "left").string(), (folder / "left").string());
+  EXPECT_EQ(among.exit_code, 2);
+  EXPECT_NE(among.err.find("lies in the output folder"), std::string::npos) << among.err;
+  fs::create_directory(folder / "empty");
+  const ProgramRun none = run((folder / "empty").string(), (folder / "points").string());
+  EXPECT_EQ(none.exit_code, 5);
+  EXPECT_NE(none.err.find("holds no images"), std::string::npos) << none.err;
+}
+
 TEST(ReconstructStereo, ShowsASequenceInABrowser) {
   RAYBUNDLE_NEEDS_DATA("opencv_stereo_chess");
   if (browser_name().empty()) GTEST_SKIP() << "there is no Chromium on this machine";
@@ -213,6 +267,26 @@ TEST(ReconstructStereo, LaserDotsFillWhatHasNoTexture) {
   EXPECT_GT(with.at("points").get<int>(), without.at("points").get<int>() + 500);
   const ProgramRun small = run({"--laser", image("../truth/calibration.json")});
   EXPECT_EQ(small.exit_code, 5);
+
+  const auto video = [&](const char* from, const char* to) {
+    const cv::Mat frame = cv::imread(image(from));
+    const std::string path = (folder / to).string();
+    cv::VideoWriter writer(path, cv::VideoWriter::fourcc('F', 'F', 'V', '1'), 10, frame.size());  // loses nothing
+    for (int i = 0; i < 2; ++i) writer.write(frame);
+    return path;
+  };
+  const std::string left = video("left/003_off.png", "left.avi"), right = video("right/003_off.png", "right.avi");
+  const std::string lit = video("left/003_on.png", "lit.avi");
+  const auto run_videos = [&](const std::string& laser) {
+    return raybundle_program({"reconstruct", "stereo", (folder / "sim/truth/calibration.json").string(), left, right,
+                              "--near", "0.15", "--laser", laser, "-o", (folder / "videos").string()});
+  };
+  const ProgramRun videos = run_videos(lit), mixed = run_videos(image("left/003_on.png"));
+  ASSERT_EQ(videos.exit_code, 0) << videos.err;
+  const nlohmann::json second = nlohmann::json::parse(text_of(folder / "videos" / "000001.json"));
+  EXPECT_EQ(second.at("laser").at("filled"), with.at("laser").at("filled"));
+  EXPECT_EQ(mixed.exit_code, 2);
+  EXPECT_NE(mixed.err.find("is a video, and others are images"), std::string::npos) << mixed.err;
 }
 
 TEST(ReconstructStereo, SaysWhatIsWrong) {
