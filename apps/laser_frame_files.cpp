@@ -60,6 +60,8 @@ Json json_of(const LaserFrame& frame, const SensorTable& table, const std::strin
           {"camera", table.camera},
           {"serial", table.serial.empty() ? Json() : Json(table.serial)},
           {"state", state_name(frame.state)},
+          {"rows", table.grid.rows},
+          {"columns", table.grid.columns},
           {"dots", dots},
           {"points", points},
           {"triangles", triangles},

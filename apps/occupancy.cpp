@@ -4,13 +4,13 @@
 
 #include <cstdio>
 #include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
 
-#include "laser_frame_files.hpp"
+#include "occupancy_classify.hpp"
 #include "occupancy_evaluation.hpp"
-#include "occupancy_input.hpp"
 #include "occupancy_learning.hpp"
-#include "occupancy_page.hpp"
+#include "output_folder.hpp"
 #include "page_text.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/occupancy/case_base_file.hpp"
@@ -32,9 +32,7 @@ struct Flags {
   SimulatedLearning learning;
   LearnOptions learn;
   EvaluationOptions evaluation;
-  std::string vehicle, page;
-  std::vector<std::string> frames;
-  bool json = false;
+  bool beams_given = false, json = false;
 };
 
 SensorKind kind_of(const std::string& sensor) {
@@ -51,8 +49,24 @@ LaserGrid grid_of(const std::string& word) {
   return {rows, columns};
 }
 
+void refuse_beams_of_stereo(const Flags& flags, SensorKind kind) {
+  if (!flags.beams_given || kind != SensorKind::kStereo) return;
+  throw Error(ErrorKind::kBadInput, "--beams are of a laser, and stereo has none; leave it out");
+}
+
+LabelledCases cases_with_progress(SimulatedLearning learning) {
+  Progress progress("simulating", learning.scenes);
+  std::mutex guard;
+  learning.scene_done = [&] {
+    const std::scoped_lock lock(guard);
+    progress.advance();
+  };
+  return simulated_cases(learning);
+}
+
 void run_learn(Flags flags) {
   flags.learning.kind = kind_of(flags.sensor);
+  refuse_beams_of_stereo(flags, flags.learning.kind);
   flags.learning.scenes = flags.scenes > 0 ? flags.scenes : learning_of(flags.learning.kind).scenes;
   flags.learning.grid = grid_of(flags.grid);
   if (flags.learning.seed + static_cast<std::uint64_t>(flags.learning.scenes) > kEvaluationSeed) {
@@ -60,8 +74,10 @@ void run_learn(Flags flags) {
                                                   "`occupancy evaluate`; take a smaller seed",
                                                   kEvaluationSeed));
   }
+  require_writable_file(flags.output, "-o");
+  require_votes(flags.learning, flags.learn.neighbours);
   flags.learn.threads = flags.learning.threads;
-  const CaseBase base = learn(simulated_cases(flags.learning), flags.learn);
+  const CaseBase base = learn(cases_with_progress(flags.learning), flags.learn);
   write_file_whole(flags.output, bytes_from_case_base(base));
   if (flags.json) {
     fmt::print("{}\n", text_of_json(nlohmann::ordered_json{{"base", flags.output},
@@ -81,7 +97,8 @@ void run_learn(Flags flags) {
 void run_evaluate(Flags flags) {
   const CaseBase base = case_base_from_bytes(text_of_file(flags.base), flags.base);
   EvaluationOptions& options = flags.evaluation;
-  options.kind = base.attribute_set == kBoxes.name ? SensorKind::kStereo : SensorKind::kStructuredLight;
+  options.kind = sensor_kind_of(base);
+  refuse_beams_of_stereo(flags, options.kind);
   options.monitor = monitor_options_of(options.kind);
   options.grid = grid_of(flags.grid);
   options.seed += kEvaluationSeed;
@@ -95,89 +112,6 @@ void run_evaluate(Flags flags) {
       fmt::print("{}\n", text_from_evaluation(fmt::format("{} vehicles", name), evaluations.back().second));
   }
   if (flags.json) fmt::print("{}\n", json_from_evaluations(evaluations));
-}
-
-std::string name_of(AirbagAction action) {
-  constexpr const char* kNames[kAirbagActions] = {"undecided", "no_fire", "depowered", "fire"};
-  return kNames[static_cast<std::size_t>(action)];
-}
-
-nlohmann::ordered_json json_of(const std::string& file, const Occupancy& answer, const CaseBase& base) {
-  nlohmann::ordered_json json{{"file", file}, {"state", state_name(answer.state)}, {"airbag", name_of(answer.action)}};
-  json["group"] = answer.group < 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(base.group_names[answer.group]);
-  json["class"] =
-      answer.situation < 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(base.situations[answer.situation].name);
-  json["confidence"] = answer.confidence;
-  json["points_in_critical_zone"] = answer.zones.critical;
-  json["points_in_outer_zone"] = answer.zones.out_of_position;
-  if (answer.zones.anything) json["dashboard_distance_m"] = answer.zones.distance_m;
-  if (answer.zones.anything) json["dashboard_distance_sigma_m"] = answer.zones.sigma_m;
-  json["rays_through_zones"] = answer.free_rays;
-  json["moving"] = answer.moving;
-  return json;
-}
-
-nlohmann::ordered_json json_of(const VehicleLayout& layout) {
-  return {{"dashboard_x_m", layout.dashboard_x_m},
-          {"zone_floor_m", layout.zone_floor_m},
-          {"zone_half_width_m", layout.zone_half_width_m},
-          {"critical_m", layout.critical_m},
-          {"out_of_position_m", layout.out_of_position_m}};
-}
-
-nlohmann::ordered_json json_of(const std::vector<ScenePoint>& points) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::array();
-  for (const ScenePoint& point : points) {
-    const Eigen::Vector3d& x = point.x_in_vehicle;
-    json.push_back({{"ray", point.ray}, {"x_in_vehicle_m", {x.x(), x.y(), x.z()}}, {"sigma_m", point.sigma_m}});
-  }
-  return json;
-}
-
-void run_classify(const Flags& flags) {
-  const CaseBase base = case_base_from_bytes(text_of_file(flags.base), flags.base);
-  const InstalledSensor sensor = read_installed_sensor(flags.vehicle);
-  if (base.attribute_set != kStripes.name) {
-    throw Error(ErrorKind::kBadInput,
-                "was learnt for stereo, and the points are of a laser; learn one for "
-                "structured-light",
-                flags.base);
-  }
-  OccupancyMonitor monitor(sensor.layout, base, sensor.rays(), monitor_options_of(SensorKind::kStructuredLight));
-  nlohmann::ordered_json frames = nlohmann::ordered_json::array(), shown = frames;
-  std::vector<std::vector<std::string>> rows{{"frame", "state", "airbag", "group", "class", "distance m"}};
-  for (const std::string& file : flags.frames) {
-    const PointFrame frame = read_point_frame(file, sensor);
-    const Occupancy answer = monitor.process({sensor.viewpoint_in_vehicle, frame.points, sensor.rays(), frame.state});
-    frames.push_back(json_of(file, answer, base));
-    if (!flags.page.empty()) {
-      shown.push_back(frames.back());
-      shown.back()["points"] = json_of(frame.points);
-    }
-    rows.push_back({file, state_name(answer.state), name_of(answer.action),
-                    answer.group < 0 ? "unsure" : base.group_names[answer.group],
-                    answer.situation < 0 ? "unknown" : base.situations[answer.situation].name,
-                    answer.zones.anything ? fmt::format("{:.3f}", answer.zones.distance_m) : "-"});
-  }
-  if (!flags.page.empty()) {
-    const nlohmann::ordered_json page{{"vehicle", json_of(sensor.layout)}, {"frames", shown}};
-    write_file_whole(flags.page, occupancy_page(text_of_json(page)));
-  }
-  flags.json ? fmt::print("{}\n", text_of_json(nlohmann::ordered_json{{"frames", frames}}, 2))
-             : fmt::print("{}", text_table(rows));
-}
-
-void add_classify(CLI::App& verb) {
-  auto flags = std::make_shared<Flags>();
-  CLI::App* classify = verb.add_subcommand("classify", "laser points of one or more frames, in their order");
-  classify->add_option("base", flags->base, "what `occupancy learn` wrote")->required();
-  classify->add_option("points", flags->frames, "JSON of `reconstruct structured-light`")->required();
-  classify->add_option("--vehicle", flags->vehicle, "where seat, dashboard and sensor are (docs/formats/occupancy.md)")
-      ->type_name("TOML")
-      ->required();
-  classify->add_option("--page", flags->page, "an HTML page of the frames to write")->type_name("FILE");
-  classify->add_flag("--json", flags->json, "print the result as JSON");
-  classify->callback([flags] { run_classify(*flags); });
 }
 
 void add_learn(CLI::App& verb) {
@@ -194,7 +128,9 @@ void add_learn(CLI::App& verb) {
           fmt::format("simulated by the training generator; {} of the laser or {} of stereo unless said",
                       learning_of(SensorKind::kStructuredLight).scenes, learning_of(SensorKind::kStereo).scenes))
       ->check(CLI::Range(100, kMostScenes));
-  learn->add_option("--seed", flags->learning.seed, "of the first scene")->capture_default_str();
+  learn->add_option("--seed", flags->learning.seed, "of the first scene")
+      ->check(CLI::Range(std::uint64_t{0}, kEvaluationSeed))
+      ->capture_default_str();
   learn->add_option("--other-cars", flags->learning.other_cars, "copies of each scene as if in another car")
       ->check(CLI::Range(0, 20))
       ->capture_default_str();
@@ -205,7 +141,10 @@ void add_learn(CLI::App& verb) {
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   learn->add_flag("--json", flags->json, "print the result as JSON");
-  learn->callback([flags] { run_learn(*flags); });
+  learn->callback([flags, learn] {
+    flags->beams_given = learn->count("--beams") > 0;
+    run_learn(*flags);
+  });
 }
 
 void add_evaluate(CLI::App& verb) {
@@ -230,7 +169,10 @@ void add_evaluate(CLI::App& verb) {
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   evaluate->add_flag("--json", flags->json, "print the result as JSON");
-  evaluate->callback([flags] { run_evaluate(*flags); });
+  evaluate->callback([flags, evaluate] {
+    flags->beams_given = evaluate->count("--beams") > 0;
+    run_evaluate(*flags);
+  });
 }
 
 }  // namespace
@@ -239,14 +181,14 @@ void add_occupancy_verb(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("occupancy", "3-D -> who is on the seat, and what the airbag may do");
   verb->require_subcommand(1);
   add_learn(*verb);
-  add_classify(*verb);
+  add_occupancy_classify(*verb);
   add_evaluate(*verb);
   verb->footer(
       "Example:\n"
       "  raybundle occupancy learn --scenes 40000 --threads 4 -o seats.rbcases\n"
       "  raybundle occupancy evaluate seats.rbcases --scenes 3000\n"
-      "  raybundle reconstruct structured-light out/calibration.json frames/*.png -o points\n"
-      "  raybundle occupancy classify seats.rbcases points/*.json --vehicle vehicle.toml --page seats.html");
+      "  raybundle reconstruct structured-light out/calibration.json 'frames/*.png' -o points\n"
+      "  raybundle occupancy classify seats.rbcases points --vehicle vehicle.toml --page seats.html");
 }
 
 }  // namespace raybundle::apps

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "points_json.hpp"
 #include "raybundle/geometry/error.hpp"
-#include "raybundle/scene/csv.hpp"
 #include "vehicle_file.hpp"
 
 namespace raybundle::apps {
@@ -26,25 +26,24 @@ InstalledSensor read_installed_sensor(const std::string& path) {
   InstalledSensor sensor;
   sensor.layout = vehicle_layout_in(file, path);
   VehicleSection section(file, "sensor", path);
-  sensor.rows = static_cast<int>(section.number("rows"));
-  sensor.columns = static_cast<int>(section.number("columns"));
-  if (sensor.rows < 2 || sensor.columns < 2 || sensor.rows > 64 || sensor.columns > 64) {
-    throw Error(ErrorKind::kBadInput, "[sensor] rows and columns count the beams of the laser, 2 to 64 each", path);
-  }
+  sensor.rows = section.whole_number("rows", 2, 64);
+  sensor.columns = section.whole_number("columns", 2, 64);
   sensor.vehicle_from_camera = section.pose();
   sensor.viewpoint_in_vehicle = Eigen::Vector3d(section.numbers<3>("viewpoint_m").data());
-  section.expect_no_more();
+  section.finish();
   return sensor;
 }
 
 PointFrame read_point_frame(const std::string& path, const InstalledSensor& sensor) {
   PointFrame frame;
-  try {
-    const auto json = nlohmann::json::parse(text_of_file(path));
-    if (json.at("format") != "raybundle laser points" || json.at("version") != 1) {
-      throw Error(ErrorKind::kBadInput, "is not what `raybundle reconstruct structured-light` writes", path);
-    }
+  read_points_json(path, kLaserPoints, [&](const nlohmann::json& json) {
     frame.state = state_of(json.at("state"));
+    if (json.at("rows") != sensor.rows || json.at("columns") != sensor.columns) {
+      throw Error(ErrorKind::kBadInput,
+                  fmt::format("is of a laser of {} rows and {} columns; vehicle.toml says {} and {}",
+                              json.at("rows").get<int>(), json.at("columns").get<int>(), sensor.rows, sensor.columns),
+                  path);
+    }
     std::vector<char> taken(static_cast<std::size_t>(sensor.rays()), 0);
     for (const auto& point : json.at("points")) {
       const int row = point.at("row"), column = point.at("column");
@@ -52,7 +51,7 @@ PointFrame read_point_frame(const std::string& path, const InstalledSensor& sens
           taken[row * sensor.columns + column]++ > 0) {
         throw Error(
             ErrorKind::kBadInput,
-            fmt::format("row {}, column {} is outside of the grid of vehicle.toml, or stands there twice", row, column),
+            fmt::format("row {}, column {} is outside of the grid, or stands there twice; make it again", row, column),
             path);
       }
       const std::array<double, 3> x = point.at("x_in_camera_m");
@@ -60,9 +59,7 @@ PointFrame read_point_frame(const std::string& path, const InstalledSensor& sens
       frame.points.push_back({row * sensor.columns + column, sensor.vehicle_from_camera * Eigen::Vector3d(x.data()),
                               std::sqrt(covariance[0] + covariance[4] + covariance[8])});
     }
-  } catch (const nlohmann::json::exception& error) {
-    throw Error(ErrorKind::kBadInput, fmt::format("is damaged: {}; make it again", error.what()), path);
-  }
+  });
   return frame;
 }
 

@@ -2,19 +2,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "occupancy_learning.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "each_index.hpp"
 #include "occupancy_chain.hpp"
+#include "raybundle/geometry/error.hpp"
 #include "raybundle/synthetic/random.hpp"
 
 namespace raybundle::apps {
 
 const AttributeSet& attribute_set_of(SensorKind kind) {
   return kind == SensorKind::kStructuredLight ? kStripes : kBoxes;
+}
+
+SensorKind sensor_kind_of(const CaseBase& base) {
+  return base.attribute_set == kBoxes.name ? SensorKind::kStereo : SensorKind::kStructuredLight;
 }
 
 std::vector<SituationClass> cabin_situations() {
@@ -86,6 +95,20 @@ class Waves {
   std::array<Wave, 8> waves_;
 };
 
+// Cases that vote, and which of them judge: the last ones.
+int voting_of(const SimulatedLearning& how) { return std::min(how.most_voting, how.scenes / 4); }
+int judging_of(const SimulatedLearning& how) { return (voting_of(how) + 1) / 2; }
+
+// The car that a voting case is seen in, 0 its own.
+std::size_t car_of_vote(const SimulatedLearning& how, int vote) {
+  const bool judges = vote + judging_of(how) >= voting_of(how);
+  return judges ? 0 : static_cast<std::size_t>((how.scenes - voting_of(how) + vote) % (1 + how.other_cars));
+}
+
+std::uint64_t seed_in_car(std::uint64_t seed, std::size_t car) {
+  return car == 0 ? seed : mixed_bits(mixed_bits(seed) + car);
+}
+
 }  // namespace
 
 SimulatedLearning learning_of(SensorKind kind) {
@@ -139,8 +162,7 @@ MeasuredScene as_in_another_car(MeasuredScene scene, const SimulatedLearning& ho
 
 LabelledCases simulated_cases(const SimulatedLearning& how) {
   const AttributeSet& set = attribute_set_of(how.kind);
-  const int copies = 1 + how.other_cars, voting = std::min(how.most_voting, how.scenes / 4),
-            learnt = how.scenes - voting;
+  const int copies = 1 + how.other_cars, voting = voting_of(how), learnt = how.scenes - voting;
   const auto cases_count = static_cast<std::size_t>(learnt) * copies + voting;
   LabelledCases cases{.attribute_set = std::string(set.name),
                       .situations = cabin_situations(),
@@ -149,7 +171,7 @@ LabelledCases simulated_cases(const SimulatedLearning& how) {
                       .classes = std::vector<std::uint8_t>(cases_count),
                       .actions = std::vector<AirbagAction>(cases_count),
                       .voting = voting,
-                      .judging = (voting + 1) / 2};
+                      .judging = judging_of(how)};
   const auto add = [&](std::size_t n, const MeasuredScene& seen) {
     cases.attributes.col(static_cast<Eigen::Index>(n)) = set.attributes(seen.layout, SeatPose{}, seen.scan());
     cases.classes[n] = static_cast<std::uint8_t>(seen.truth.seat_class);
@@ -159,7 +181,7 @@ LabelledCases simulated_cases(const SimulatedLearning& how) {
     const std::uint64_t seed = how.seed + i;
     const CabinScene cabin(make_cockpit({CockpitGenerator::kTraining, seed, {}, 0.0}));
     const auto seen_in_car = [&](std::size_t car) {
-      const std::uint64_t sensor_seed = car == 0 ? seed : mixed_bits(mixed_bits(seed) + car);
+      const std::uint64_t sensor_seed = seed_in_car(seed, car);
       const SceneRequest request{how.kind, {CockpitGenerator::kTraining, sensor_seed, {}, 0.0}, how.grid};
       const MeasuredScene scene = how.kind == SensorKind::kStereo ? ChainSource(request).measured(cabin, 0.0)
                                                                   : SceneSource(request).measured(cabin, 0.0);
@@ -170,12 +192,34 @@ LabelledCases simulated_cases(const SimulatedLearning& how) {
       for (std::size_t car = 0; car < all; ++car) add(i * all + car, seen_in_car(car));
     } else {
       const std::size_t vote = i - first_voting;
-      const bool judges = vote + cases.judging >= static_cast<std::size_t>(voting);
-      add(first_voting * all + vote, seen_in_car(judges ? 0 : i % all));
+      add(first_voting * all + vote, seen_in_car(car_of_vote(how, static_cast<int>(vote))));
     }
     if (how.scene_done) how.scene_done();
   });
   return cases;
+}
+
+void require_votes(const SimulatedLearning& how, int neighbours) {
+  std::array<int, kCabinClasses> votes{};
+  for (int vote = 0; vote < voting_of(how); ++vote) {
+    if (*std::ranges::min_element(votes) > neighbours) return;
+    const std::uint64_t seed = how.seed + static_cast<std::uint64_t>(how.scenes - voting_of(how) + vote);
+    const Cockpit cockpit = make_cockpit({CockpitGenerator::kTraining, seed, {}, 0.0});
+    MeasuredScene scene;  // without points: the truth does not depend on them
+    scene.layout = vehicle_layout(cockpit.layout);
+    scene.truth = cockpit.truth;
+    const std::size_t car = car_of_vote(how, vote);
+    if (car != 0) scene = as_in_another_car(std::move(scene), how, seed_in_car(seed, car));
+    ++votes[static_cast<std::size_t>(scene.truth.seat_class)];
+  }
+  const auto fewest = std::ranges::min_element(votes);
+  if (*fewest > neighbours) return;
+  throw Error(
+      ErrorKind::kNotEnoughData,
+      fmt::format("class '{}' would have {} of the {} cases that vote, a quarter of the scenes, and more than {} "
+                  "are needed: take more --scenes, or fewer --neighbours",
+                  kCabinClassNames[static_cast<std::size_t>(fewest - votes.begin())], *fewest, voting_of(how),
+                  neighbours));
 }
 
 }  // namespace raybundle::apps

@@ -13,6 +13,9 @@ namespace raybundle::apps {
 /// The attributes that a sensor's points are described by.
 const AttributeSet& attribute_set_of(SensorKind kind);
 
+/// The sensor whose points a base was learnt from.
+SensorKind sensor_kind_of(const CaseBase& base);
+
 /// The classes of the simulated cabins, in the order of CabinClass.
 std::vector<SituationClass> cabin_situations();
 std::vector<std::string> cabin_groups();
@@ -47,5 +50,10 @@ MeasuredScene as_in_another_car(MeasuredScene scene, const SimulatedLearning& ho
 /// The last of them vote: each of those is one case, in its own car or in another one; the last half of them, in their
 /// own cars, judge.
 LabelledCases simulated_cases(const SimulatedLearning& how);
+
+/// Finds out before the work, not after it, whether enough of the cases will vote.
+///
+/// @throws Error(kNotEnoughData) as learn()
+void require_votes(const SimulatedLearning& how, int neighbours);
 
 }  // namespace raybundle::apps

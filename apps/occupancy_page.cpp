@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "occupancy_page.hpp"
 
+#include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "occupancy_answer.hpp"
 #include "page_text.hpp"
 
 namespace raybundle::apps {
@@ -17,11 +19,10 @@ body { font: 15px/1.5 system-ui, sans-serif; margin: 1.5rem; max-width: 90rem; }
 main { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(28rem, 100%), 1fr)); gap: 1rem; }
 figure { margin: 0; } figcaption { opacity: .75; margin-top: .3rem; }
 svg { width: 100%; border: 1px solid var(--line); border-radius: 4px; display: block; }
-.badge { padding: .1rem .6rem; border-radius: 4px; color: #fff; background: #777; }
-.fire { background: #c33; } .depowered { background: #b70; } .no_fire { background: #27a; }
 .controls { display: flex; gap: .8rem; align-items: center; margin: .8rem 0; } .controls input { flex: 1; }
-td { padding: 0 1rem 0 0; }
-</style>
+)";
+
+constexpr std::string_view kBody = R"(</style>
 <h1>Seat occupancy <span id="airbag" class="badge"></span></h1>
 <div class="controls"><button id="play">Play</button><input id="at" type="range" min="0" value="0" aria-label="frame"><output id="name"></output></div>
 <main>
@@ -31,9 +32,10 @@ td { padding: 0 1rem 0 0; }
 </main>
 <script type="application/json" id="data">)";
 
-constexpr std::string_view kEnd = R"(</script><script>
-'use strict';
-const {vehicle: car, frames} = JSON.parse(document.getElementById('data').textContent);
+constexpr std::string_view kMiddle = "</script><script>\n'use strict';";
+
+constexpr std::string_view kEnd =
+    R"(const {vehicle: car, frames} = JSON.parse(document.getElementById('data').textContent);
 const element = id => document.getElementById(id);
 const make = (parent, tag, attributes, text) => {
   const node = document.createElementNS('http://www.w3.org/2000/svg', tag);
@@ -63,24 +65,12 @@ const plot = (id, low, high, axis, zoneLow, zoneHigh, frame) => {
     make(dot, 'title', {}, `ray ${p.ray}: ${p.x_in_vehicle_m.map(c => c.toFixed(3)).join(', ')} m, sigma ${(1e3 * p.sigma_m).toFixed(1)} mm`);
   }
 };
-const words = {airbag: 'airbag', state: 'state', group: 'group', class: 'class', confidence: 'share of the votes',
-  points_in_critical_zone: 'points in the critical zone', points_in_outer_zone: 'points in the outer zone',
-  dashboard_distance_m: 'nearest point to the dashboard [m]', dashboard_distance_sigma_m: 'its sigma [m]',
-  rays_through_zones: 'rays that found the zones free', moving: 'share of the rays on the seat that moved'};
 const show = index => {
   const frame = frames[index];
   element('name').textContent = `${index + 1} of ${frames.length}: ${frame.file}`;
-  element('airbag').textContent = frame.airbag;
-  element('airbag').className = 'badge ' + frame.airbag;
+  showAnswer(frame);
   plot('side', -0.35, 1.05, 2, car.zone_floor_m, 0.75, frame);
   plot('top', -0.55, 0.55, 1, -car.zone_half_width_m, car.zone_half_width_m, frame);
-  element('reasons').replaceChildren(...Object.entries(words).filter(([key]) => key in frame).map(([key, word]) => {
-    const row = document.createElement('tr'), value = frame[key];
-    for (const text of [word, typeof value === 'number' ? +value.toFixed(3) : value ?? 'unsure']) {
-      row.appendChild(document.createElement('td')).textContent = text;
-    }
-    return row;
-  }));
 };
 const at = element('at');
 at.max = frames.length - 1;
@@ -95,10 +85,31 @@ show(0);
 </script></html>
 )";
 
+nlohmann::ordered_json json_of(const VehicleLayout& layout) {
+  return {{"dashboard_x_m", layout.dashboard_x_m},
+          {"zone_floor_m", layout.zone_floor_m},
+          {"zone_half_width_m", layout.zone_half_width_m},
+          {"critical_m", layout.critical_m},
+          {"out_of_position_m", layout.out_of_position_m}};
+}
+
 }  // namespace
 
-std::string occupancy_page(const std::string& json) {
-  return std::string(kBegin) + json_for_script(json) + std::string(kEnd);
+std::string occupancy_page(const VehicleLayout& layout, const nlohmann::ordered_json& frames) {
+  std::string page;
+  for (const std::string_view part : {kBegin, kAnswerStyle, kBody}) page += part;
+  page += json_for_script(text_of_json(nlohmann::ordered_json{{"vehicle", json_of(layout)}, {"frames", frames}}));
+  for (const std::string_view part : {kMiddle, kAnswerScript, kEnd}) page += part;
+  return page;
+}
+
+nlohmann::ordered_json page_points(const std::vector<ScenePoint>& points) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const ScenePoint& point : points) {
+    const Eigen::Vector3d& x = point.x_in_vehicle;
+    json.push_back({{"ray", point.ray}, {"x_in_vehicle_m", {x.x(), x.y(), x.z()}}, {"sigma_m", point.sigma_m}});
+  }
+  return json;
 }
 
 }  // namespace raybundle::apps

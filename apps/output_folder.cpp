@@ -47,6 +47,18 @@ void require_writable(const fs::path& folder) {
   }
 }
 
+void require_writable_file(const fs::path& file, const std::string& flag) {
+  std::error_code ignored;
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  const auto refuse = [&](const std::string& why) {
+    throw Error(ErrorKind::kIo, fmt::format("cannot be written: {}; choose another with {}", why, flag), file.string());
+  };
+  if (fs::is_directory(file, ignored)) refuse("it is a folder");
+  if (!fs::is_directory(folder, ignored)) refuse("there is no folder " + folder.string());
+  if (fs::exists(file, ignored) && !fs::is_regular_file(file, ignored)) return;  // a pipe, /dev/stdout
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) refuse(std::strerror(errno));
+}
+
 void write_results(const fs::path& folder, const std::vector<WholeFile>& files) {
   const std::vector<fs::path> made = missing_folders(folder);
   try {

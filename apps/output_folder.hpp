@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "raybundle/scene/atomic_file.hpp"
@@ -14,6 +15,12 @@ namespace raybundle::apps {
 ///
 /// @throws Error(kIo) naming the folder
 void require_writable(const std::filesystem::path& folder);
+
+/// The same of a file, whose folder has to be there.
+///
+/// @param flag  that named it
+/// @throws Error(kIo) naming the file
+void require_writable_file(const std::filesystem::path& file, const std::string& flag);
 
 /// Writes files into a folder, all of them or none, and makes the folder where it is not there yet. When the writing
 /// fails, folders that were made for it are removed again.

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 
+#include "cockpit_files.hpp"
 #include "output_folder.hpp"
 #include "pose_json.hpp"
 #include "raybundle/cockpit/cabin_renderer.hpp"
@@ -27,6 +27,7 @@ using nlohmann::ordered_json;
 
 constexpr int kMostScenes = 100000, kMostFrames = 1000;
 constexpr double kFrame_s = 0.1;  // from a frame to the next
+constexpr std::uint64_t kMostSeed = 1'000'000'000'000;
 
 struct SimulateCockpitFlags {
   std::string output, generator = "training", sensor = "structured-light", wanted;
@@ -65,37 +66,6 @@ void write_png(const fs::path& path, const GreyImage& image) {
   write_file_whole(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
-ordered_json numbers(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
-
-ordered_json json_of(const CabinLayout& layout) {
-  return {{"dashboard_x_m", layout.dashboard_x_m},
-          {"zone_floor_m", layout.zone_floor_m},
-          {"zone_half_width_m", layout.zone_half_width_m},
-          {"critical_m", layout.critical_m},
-          {"out_of_position_m", layout.out_of_position_m},
-          {"track_m", layout.track_m},
-          {"lift_m", layout.lift_m},
-          {"least_recline_rad", layout.least_recline_rad},
-          {"most_recline_rad", layout.most_recline_rad},
-          {"roof_m", layout.roof_m}};
-}
-
-ordered_json json_of(const CockpitTruth& truth) {
-  const auto named = [](const auto& names, auto value) { return std::string(names[static_cast<std::size_t>(value)]); };
-  ordered_json json{{"class", named(kCabinClassNames, truth.seat_class)},
-                    {"group", named(kCabinGroupNames, truth.group)},
-                    {"decision", named(kCabinDecisionNames, truth.decision)},
-                    {"seat",
-                     {{"h_point_m", numbers(truth.seat.h_point)},
-                      {"bight_m", numbers(truth.seat.bight)},
-                      {"recline_rad", truth.seat.recline_rad},
-                      {"cushion_pitch_rad", truth.seat.cushion_pitch_rad}}}};
-  if (truth.head)
-    json["head"] = {{"centre_m", numbers(truth.head->centre)}, {"semi_axes_m", numbers(truth.head->semi_axes)}};
-  if (std::isfinite(truth.dashboard_distance_m)) json["dashboard_distance_m"] = truth.dashboard_distance_m;
-  return json;
-}
-
 // Renders one frame; names of its images by camera, or off and on.
 ordered_json write_frame(const fs::path& folder, const CabinRenderer& renderer, const CabinScene& scene,
                          const std::string& stem, const CabinImageOptions& options) {
@@ -121,20 +91,35 @@ ordered_json write_scenes(const SimulateCockpitFlags& flags, const fs::path& fol
   ordered_json scenes = ordered_json::array();
   Progress progress("rendering", flags.scenes * flags.frames);
   for (int s = 0; s < flags.scenes; ++s) {
-    ordered_json frames = ordered_json::array(), layout;
+    ordered_json frames = ordered_json::array();
+    CabinLayout layout;
     const std::uint64_t seed = flags.seed + static_cast<std::uint64_t>(s);
     for (int f = 0; f < flags.frames; ++f) {
       const double time_s = kFrame_s * f;
       const CabinScene scene(make_cockpit({generator, seed, wanted_of(flags, s), time_s}));
-      const ordered_json images = write_frame(folder, renderer, scene, fmt::format("{:05d}_{:03d}", s, f),
+      const ordered_json images = write_frame(folder, renderer, scene, cockpit_frame_name(s, f),
                                               {.seed = seed, .stream = static_cast<std::uint64_t>(f)});
-      layout = json_of(scene.cockpit().layout);
-      frames.push_back({{"time_s", time_s}, {"images", images}, {"truth", json_of(scene.cockpit().truth)}});
+      layout = scene.cockpit().layout;
+      frames.push_back({{"time_s", time_s}, {"images", images}, {"truth", json_from_truth(scene.cockpit().truth)}});
       progress.advance();
     }
-    scenes.push_back({{"seed", seed}, {"vehicle", layout}, {"frames", frames}});
+    write_file_whole(folder / vehicle_file_name(s), vehicle_toml(layout, renderer.sensor()));
+    scenes.push_back({{"seed", seed},
+                      {"vehicle_file", vehicle_file_name(s)},
+                      {"vehicle", json_from_layout(layout)},
+                      {"frames", frames}});
   }
   return scenes;
+}
+
+// A flag of the other sensor would change nothing.
+void refuse_flags_of_other_sensor(const CLI::App& verb, const std::string& sensor) {
+  const bool stereo = sensor == "stereo";
+  for (const char* flag : stereo ? std::vector{"--rows", "--columns"} : std::vector{"--size"}) {
+    if (verb.count(flag) == 0) continue;
+    throw Error(ErrorKind::kBadInput, fmt::format("{} is of --sensor {}, and this is {}; leave it out", flag,
+                                                  stereo ? "structured-light" : "stereo", sensor));
+  }
 }
 
 void run(const SimulateCockpitFlags& flags) {
@@ -150,6 +135,7 @@ void run(const SimulateCockpitFlags& flags) {
                                             flags.output, error.message()));
   }
   const ordered_json scenes = write_scenes(flags, folder, generator, renderer);
+  remove_former_files(folder, scenes);
   CalibrationFile calibration;
   calibration.calibration = calibration_of(renderer.sensor());
   calibration.provenance.command = command_of(flags);
@@ -193,6 +179,7 @@ void add_simulate_cockpit_verb(CLI::App& app) {
       ->check(CLI::Range(1, kMostFrames))
       ->capture_default_str();
   verb->add_option("--seed", flags->seed, "of the first scene and of the sensor; same seed, same bits")
+      ->check(CLI::Range(std::uint64_t{0}, kMostSeed))
       ->capture_default_str();
   verb->add_option("--rows", flags->rows, "of laser beams")->check(CLI::Range(2, 64))->capture_default_str();
   verb->add_option("--columns", flags->columns, "of laser beams")->check(CLI::Range(2, 64))->capture_default_str();
@@ -204,7 +191,10 @@ void add_simulate_cockpit_verb(CLI::App& app) {
       "Example:\n"
       "  raybundle simulate-cockpit --sensor stereo --scenes 16 --frames 5 --seed 7 -o cabins\n"
       "The folder: docs/formats/cockpit.md");
-  verb->callback([flags] { run(*flags); });
+  verb->callback([flags, verb] {
+    refuse_flags_of_other_sensor(*verb, flags->sensor);
+    run(*flags);
+  });
 }
 
 }  // namespace raybundle::apps

@@ -60,7 +60,7 @@ StereoCabin read_stereo_cabin(const std::string& path) {
   const toml::table file = vehicle_file(path);
   VehicleSection section(file, "stereo", path);
   const StereoCabin cabin{vehicle_layout_in(file, path), section.pose()};
-  section.expect_no_more();
+  section.finish();
   return cabin;
 }
 
@@ -144,9 +144,8 @@ nlohmann::json CabinWatch::drawn() const {
   };
   draw("#e22", zone(0.0, car.critical_m));
   draw("#f90", zone(car.critical_m, car.out_of_position_m));
-  if (watch_.frames() > 0) {
-    for (const Box& box : seat_boxes(known_seat(), chin_m())) draw("#6cf", edges_of(box));
-  }
+  const char* boxes = watch_.frames() > 0 ? "#6cf" : "#999";  // of the seat as it was fitted, or amid its travel
+  for (const Box& box : seat_boxes(known_seat(), chin_m())) draw(boxes, edges_of(box));
   if (head_.found) draw("#fff", circles_of(head_));
   return all;
 }

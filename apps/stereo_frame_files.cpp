@@ -12,6 +12,7 @@
 
 #include "laser_frame_files.hpp"
 #include "page_text.hpp"
+#include "points_json.hpp"
 #include "pose_json.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/quantile.hpp"
@@ -99,7 +100,7 @@ StereoFrameFiles stereo_frame_files(const StereoFrame& frame, const StereoMatche
       sigmas.push_back(point.sigma_m);
     }
   }
-  nlohmann::ordered_json json;
+  nlohmann::ordered_json json{{"format", kStereoPoints.name}, {"version", 1}};
   json["left"] = left;
   json["right"] = right;
   json["state"] = state_name(frame.state);

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "laser_frame_files.hpp"
+#include "occupancy_answer.hpp"
 #include "page_text.hpp"
 #include "raybundle/geometry/quantile.hpp"
 
@@ -30,21 +31,27 @@ figure { margin: 0; } figcaption { opacity: .75; margin-top: .3rem; }
 img, canvas { width: 100%; border: 1px solid #8886; border-radius: 4px; display: block; background: #111; }
 canvas { aspect-ratio: 4 / 3; touch-action: none; cursor: grab; }
 nav { display: flex; gap: .7rem; align-items: center; margin: .7rem 0; } input { flex: 1; max-width: 40rem; }
-.state { padding: .1rem .6rem; border-radius: 4px; color: #fff; background: #2a7; }
+)";
+
+constexpr std::string_view kBody =
+    R"(.state { padding: .1rem .6rem; border-radius: 4px; color: #fff; background: #2a7; }
 .DEGRADED { background: #b70; } .INVALID { background: #c33; }
 </style>
-<h1>Stereo <span id="state" class="state"></span></h1>
+<h1>Stereo <span id="state" class="state"></span> <span id="airbag" class="badge"></span></h1>
 <nav><button id="play">Play</button><input id="which" type="range" min="0" step="1" aria-label="frame"><span id="words"></span></nav>
 <main>
 <figure><img id="left" alt="left rectified image"><figcaption>Left image, rectified.</figcaption></figure>
+<figure><img id="right" alt="right rectified image"><figcaption>Right image, rectified: the same rows.</figcaption></figure>
 <figure><img id="disparity" alt="disparities"><figcaption>Disparities: near is red, far is blue, black has no match.</figcaption></figure>
-<figure><canvas id="space" tabindex="0"></canvas><figcaption>Points, coloured by depth; drag or use the arrow keys to turn, the wheel to come near. In a car: safety zones red and orange, boxes of the seat blue, head white.</figcaption></figure>
+<figure><canvas id="space" tabindex="0"></canvas><figcaption>Points, coloured by depth; drag or use the arrow keys to turn, the wheel to come near. In a car: safety zones red and orange, head white, boxes of the seat blue, grey until it was seen empty.</figcaption></figure>
+<figure id="decision" hidden><table id="reasons"></table><figcaption>What the decision rests on.</figcaption></figure>
 </main>
 <script type="application/json" id="data">)";
 
-constexpr std::string_view kEnd = R"(</script><script>
-'use strict';
-const frames = JSON.parse(document.getElementById('data').textContent), part = id => document.getElementById(id);
+constexpr std::string_view kMiddle = "</script><script>\n'use strict';";
+
+constexpr std::string_view kEnd =
+    R"(const frames = JSON.parse(document.getElementById('data').textContent), part = id => document.getElementById(id);
 const canvas = part('space'), context = canvas.getContext('2d'), which = part('which');
 which.max = frames.length - 1; which.value = 0;
 let yaw = 0.4, pitch = -0.25, zoom = 1, timer = 0;
@@ -84,9 +91,12 @@ const draw = () => {
 const show = () => {
   const frame = frames[which.value], state = part('state');
   part('left').src = 'data:image/jpeg;base64,' + frame.left;
+  part('right').src = 'data:image/jpeg;base64,' + frame.right;
   part('disparity').src = 'data:image/png;base64,' + frame.disparity;
   state.textContent = frame.state; state.className = 'state ' + frame.state;
   part('words').textContent = `${frame.name}: ${frame.matched} matches (${+which.value + 1} of ${frames.length})` + (frame.cabin ? ', ' + frame.cabin : '');
+  part('decision').hidden = !frame.answer;
+  if (frame.answer) showAnswer(frame.answer);
   draw();
 };
 const step = by => { which.value = (+which.value + by + frames.length) % frames.length; show(); };
@@ -157,12 +167,17 @@ nlohmann::json stereo_page_frame(const std::string& name, const StereoFrame& fra
           {"matched", frame.disparity.matched},
           {"middle_m", {middle(places[0]), middle(places[1]), middle(places[2])}},
           {"left", picture(".jpg", image_of(frame.left, CV_8U))},
+          {"right", picture(".jpg", image_of(frame.right, CV_8U))},
           {"disparity", picture(".png", coloured(frame.disparity_px()))},
           {"points", std::move(points)}};
 }
 
 std::string stereo_page(const nlohmann::json& frames) {
-  return std::string(kBegin) + json_for_script(text_of_json(frames)) + std::string(kEnd);
+  std::string page;
+  for (const std::string_view part : {kBegin, kAnswerStyle, kBody}) page += part;
+  page += json_for_script(text_of_json(frames));
+  for (const std::string_view part : {kMiddle, kAnswerScript, kEnd}) page += part;
+  return page;
 }
 
 }  // namespace raybundle::apps

@@ -12,12 +12,14 @@ namespace raybundle::apps {
 /// Frames that a page shows at most; of a longer sequence the first ones.
 inline constexpr int kMostPageFrames = 60;
 
-/// What a page shows of one pair: the left image, its disparities, and some thousand of its points.
+/// What a page shows of one pair: both images, the disparities, and some thousand of the points.
 nlohmann::json stereo_page_frame(const std::string& name, const StereoFrame& frame);
 
 /// A self-contained page about a sequence of pairs: images, disparities and points in space, to be played.
 ///
-/// @param frames  array of stereo_page_frame
+/// @param frames  array of stereo_page_frame; where frames have `answer`, as json_of_answer makes it, the page shows
+/// the
+///                decision and what it rests on, where they have `drawn` and `cabin`, lines in space and words
 std::string stereo_page(const nlohmann::json& frames);
 
 }  // namespace raybundle::apps

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "raybundle/scene/csv.hpp"
+#include "raybundle/scene/suggestion.hpp"
 
 namespace raybundle::apps {
 namespace {
@@ -46,17 +47,35 @@ VehicleSection::VehicleSection(const toml::table& file, const char* name, const 
   left_ = *table;
 }
 
+bool VehicleSection::take(const char* key) {
+  known_.emplace_back(key);
+  const bool there = left_.contains(key);
+  if (!there && missing_.empty()) missing_ = key;
+  return there;
+}
+
 double VehicleSection::number(const char* key) {
+  if (!take(key)) return 0.0;
   const auto value = left_[key].value<double>();
   if (!value || !std::isfinite(*value)) fail(key, "a number");
   left_.erase(key);
   return *value;
 }
 
+int VehicleSection::whole_number(const char* key, int low, int high) {
+  if (!left_.contains(key)) return static_cast<int>(number(key));
+  const double value = number(key);
+  if (value != std::round(value) || value < low || value > high) {
+    fail(key, fmt::format("a whole number from {} to {}", low, high));
+  }
+  return static_cast<int>(value);
+}
+
 Rigid3 VehicleSection::pose() {
   const auto q = numbers<4>("rotation_xyzw");
   const auto t = numbers<3>("translation_m");
   Rigid3 pose{Eigen::Quaterniond(q[3], q[0], q[1], q[2]), Eigen::Vector3d(t.data())};
+  if (!missing_.empty()) return {};
   if (std::abs(pose.rotation.norm() - 1.0) > 1e-6) {
     throw Error(ErrorKind::kBadInput,
                 fmt::format("[{}] rotation_xyzw has no unit length; give six digits and more", name_), path_);
@@ -65,10 +84,15 @@ Rigid3 VehicleSection::pose() {
   return pose;
 }
 
-void VehicleSection::expect_no_more() const {
-  if (left_.empty()) return;
-  throw Error(ErrorKind::kBadInput,
-              fmt::format("[{}] has an unknown key '{}'; remove it", name_, left_.begin()->first.str()), path_);
+void VehicleSection::finish() const {
+  if (!left_.empty()) {
+    const std::string key(left_.begin()->first.str());
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("[{}] has an unknown key '{}'.{}", name_, key, did_you_mean(key, known_)), path_);
+  }
+  if (!missing_.empty()) {
+    throw Error(ErrorKind::kBadInput, fmt::format("[{}] needs {}; add it", name_, missing_), path_);
+  }
 }
 
 void VehicleSection::fail(const char* key, const std::string& wanted) const {
@@ -99,7 +123,7 @@ VehicleLayout vehicle_layout_in(const toml::table& file, const std::string& path
         std::pair("most_recline_rad", &layout.most_recline_rad), std::pair("roof_m", &layout.roof_m)}) {
     section.read_if_there(key, *value);
   }
-  section.expect_no_more();
+  section.finish();
   check(layout, path);
   return layout;
 }

@@ -53,7 +53,12 @@ std::string points_text(CabinClass wanted, std::uint64_t seed) {
                       {"x_in_camera_m", {x.x(), x.y(), x.z()}},
                       {"covariance_m2", {variance, 0, 0, 0, variance, 0, 0, 0, variance}}});
   }
-  return nlohmann::json{{"format", "raybundle laser points"}, {"version", 1}, {"state", "OK"}, {"points", points}}
+  return nlohmann::json{{"format", "raybundle laser points"},
+                        {"version", 1},
+                        {"state", "OK"},
+                        {"rows", 11},
+                        {"columns", 11},
+                        {"points", points}}
       .dump();
 }
 
@@ -135,8 +140,64 @@ TEST(Occupancy, SaysWhatIsWrongWithItsInput) {
   EXPECT_EQ(incomplete.exit_code, 2);
   EXPECT_NE(incomplete.err.find("raybundle occupancy classify --help"), std::string::npos) << incomplete.err;
 
+  const auto with = [&](const std::string& key, const std::string& line) {
+    std::string text = kVehicle;
+    const std::size_t at = text.find(key + " = ");
+    text.replace(at, text.find('\n', at) - at, line);
+    write_text(folder / "other.toml", text);
+    const ProgramRun run = classify(learnt_base(), "points.json", "other.toml");
+    EXPECT_EQ(run.exit_code, 2) << run.err;
+    return run.err;
+  };
+  EXPECT_NE(with("rows", "rows = 11.5").find("whole number"), std::string::npos);
+  EXPECT_NE(with("rows", "rows = 12").find("11 rows"), std::string::npos);
+  EXPECT_NE(with("critical_m", "critcal_m = 0.2").find("'critcal_m'. Did you mean \"critical_m\"?"), std::string::npos);
+
   write_text(folder / "broken.json", "{\"format\": \"raybundle laser points\"");
-  EXPECT_EQ(classify(learnt_base(), "broken.json", "vehicle.toml").exit_code, 2);
+  const ProgramRun broken = classify(learnt_base(), "broken.json", "vehicle.toml");
+  EXPECT_EQ(broken.exit_code, 2);
+  EXPECT_EQ(broken.err.find("json.exception"), std::string::npos) << broken.err;
+}
+
+// What would fail after minutes of simulated scenes is said before them.
+TEST(Occupancy, LearningChecksBeforeItWorks) {
+  const auto refuses = [](std::vector<std::string> more, int exit_code, const std::string& said) {
+    std::vector<std::string> words{"occupancy", "learn"};
+    words.insert(words.end(), more.begin(), more.end());
+    const ProgramRun run = raybundle_program(words);
+    EXPECT_EQ(run.exit_code, exit_code) << run.err;
+    EXPECT_NE(run.err.find(said), std::string::npos) << run.err;
+  };
+  const fs::path folder = fresh_folder();
+  const std::string base = (folder / "seats.rbcases").string();
+  refuses({"-o", folder.string()}, 5, "it is a folder");
+  refuses({"-o", (folder / "none/seats.rbcases").string()}, 5, "there is no folder");
+  refuses({"--scenes", "400", "-o", base}, 3, "take more --scenes");
+  refuses({"--seed", "-1", "-o", base}, 2, "--seed");
+  refuses({"--sensor", "stereo", "--beams", "11x11", "-o", base}, 2, "--beams");
+}
+
+// Frames are taken in the order given, those of a folder or pattern in that of their numbers.
+TEST(Occupancy, TakesFoldersAndPatterns) {
+  const fs::path folder = fresh_folder();
+  write_text(folder / "vehicle.toml", kVehicle);
+  fs::create_directories(folder / "points");
+  for (const int frame : {2, 10, 1}) {
+    write_text(folder / "points" / (std::to_string(frame) + ".json"), points_text(CabinClass::kEmpty, 5));
+  }
+  const auto files = [&](const std::string& points) {
+    const ProgramRun run = raybundle_program(
+        {"occupancy", "classify", learnt_base(), points, "--vehicle", (folder / "vehicle.toml").string(), "--json"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    const auto json = nlohmann::json::parse(run.out);
+    std::string names;
+    for (const auto& frame : json["frames"]) {
+      names += fs::path(frame["file"].get<std::string>()).stem().string() + " ";
+    }
+    return names;
+  };
+  EXPECT_EQ(files((folder / "points").string()), "1 2 10 ");
+  EXPECT_EQ(files((folder / "points").string() + "/*.json"), "1 2 10 ");
 }
 
 }  // namespace

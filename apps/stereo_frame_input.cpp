@@ -1,0 +1,125 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "stereo_frame_input.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "image_files.hpp"
+#include "points_json.hpp"
+#include "pose_json.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/scene/csv.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kMostPixels = 1 << 14;  // each way
+constexpr std::size_t kRecord = sizeof(StereoPoint) + 1;
+
+[[noreturn]] void damaged(const std::string& path, const std::string& what) {
+  throw Error(ErrorKind::kBadInput, what + "; make it again with `raybundle reconstruct stereo`", path);
+}
+
+Rectification rectification_of(const nlohmann::json& json, const std::string& path) {
+  Rectification pair;
+  RectifiedCamera& camera = pair.camera;
+  const auto projection = rectified_projection_named(json.at("projection").get<std::string>());
+  camera.size = {json.at("width").get<int>(), json.at("height").get<int>()};
+  camera.focal_px = json.at("focal_px");
+  const std::array<double, 2> centre = json.at("centre_px");
+  camera.centre_px = {centre[0], centre[1]};
+  pair.baseline_m = json.at("baseline_m");
+  pair.rig_from_rectified = pose_from_json(json.at("rig_from_rectified"));
+  const bool sized = camera.size.width > 0 && camera.size.width <= kMostPixels && camera.size.height > 0 &&
+                     camera.size.height <= kMostPixels;
+  if (!projection || !sized || !(camera.focal_px > 0) || !(pair.baseline_m > 0) ||
+      !(std::abs(pair.rig_from_rectified.rotation.norm() - 1) < 1e-6)) {
+    damaged(path, "holds a rectification that cannot be");
+  }
+  camera.projection = *projection;
+  return pair;
+}
+
+template <typename Value>
+ImageView<const Value> view_of_picture(const cv::Mat& image) {
+  return {image.ptr<Value>(), image.cols, image.rows, static_cast<std::ptrdiff_t>(image.step1())};
+}
+
+}  // namespace
+
+StereoFrameInput::StereoFrameInput(const std::string& path, bool pictures) {
+  read_points_json(path, kStereoPoints, [&](const nlohmann::json& json) {
+    const std::string state = json.at("state");
+    state_ = state == "OK" ? State::kOk : state == "DEGRADED" ? State::kDegraded : State::kInvalid;
+    rectification = rectification_of(json.at("rectification"), path);
+    nearest_m = json.at("nearest_m");
+    matched_ = json.at("pixels").at("matched");
+  });
+  const std::string stem = fs::path(path).replace_extension().string();
+  name = fs::path(stem).filename().string();
+  read_points(stem + ".ply");
+  if (!pictures) return;
+  left_ = picture(stem + "_left.png", CV_8U);
+  right_ = picture(stem + "_right.png", CV_8U);
+  picture(stem + "_disparity.png", CV_16U).convertTo(disparity_px_, CV_32F, 1.0 / 256.0);
+}
+
+// The rays of the points say which pixels they belong to.
+void StereoFrameInput::read_points(const std::string& path) {
+  constexpr const char* kVertices = "\nelement vertex ";
+  const std::string text = text_of_file(path), end = "\nend_header\n";
+  const std::size_t header = text.find(end), vertices = text.find(kVertices);
+  int count = 0;
+  if (header == std::string::npos || vertices > header ||
+      std::sscanf(text.c_str() + vertices + std::strlen(kVertices), "%9d", &count) != 1 ||
+      text.size() != header + end.size() + static_cast<std::size_t>(count) * kRecord) {
+    damaged(path, "is no PLY of points with sigma, or not all of it");
+  }
+  const RectifiedCamera& camera = rectification.camera;
+  points_.resize(static_cast<std::size_t>(camera.size.width) * static_cast<std::size_t>(camera.size.height));
+  for (std::size_t at = header + end.size(); at < text.size(); at += kRecord) {
+    StereoPoint point;
+    std::memcpy(&point, text.data() + at, sizeof point);
+    const auto pixel = camera.pixel_from_ray({point.x_m, point.y_m, point.z_m});
+    if (!pixel || !camera.contains(*pixel) || !(point.sigma_m > 0)) {
+      damaged(path, "holds points that the rectified image does not show");
+    }
+    const auto u = static_cast<std::size_t>(std::lround(pixel->x())),
+               v = static_cast<std::size_t>(std::lround(pixel->y()));
+    points_[v * static_cast<std::size_t>(camera.size.width) + u] = point;
+  }
+}
+
+cv::Mat StereoFrameInput::picture(const std::string& path, int depth) const {
+  const cv::Mat image = read_gray(path);
+  const ImageSize size = rectification.camera.size;
+  if (image.depth() != depth || image.cols != size.width || image.rows != size.height) {
+    damaged(path,
+            fmt::format("is not the rectified image of {}x{} that belongs to the points", size.width, size.height));
+  }
+  return image;
+}
+
+StereoFrame StereoFrameInput::frame() const {
+  const ImageSize size = rectification.camera.size;
+  StereoFrame frame;
+  frame.state = state_;
+  frame.points = {points_.data(), size.width, size.height, size.width};
+  frame.disparity.matched = matched_;
+  if (left_.empty()) return frame;
+  frame.left = view_of_picture<std::uint8_t>(left_);
+  frame.right = view_of_picture<std::uint8_t>(right_);
+  frame.disparity.disparity_px = view_of_picture<float>(disparity_px_);
+  return frame;
+}
+
+}  // namespace raybundle::apps
