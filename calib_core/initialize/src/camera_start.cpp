@@ -96,14 +96,15 @@ void expect_ordinary_lens(const LensFunctions& lens, ImageSize size, const LensV
 /// Model parameters and poses together, on views that fit; what the conversion from the start lens lost is won back.
 void polish(ModelId model, ImageSize size, const std::vector<PointsInView>& views, LensGuess& guess) {
   const LensFunctions lens = lens_functions(model);
+  const auto scale_px = [&] { return std::max(1.5, 4.0 * guess.score_px); };
   for (int round = 0; round < 3; ++round) {
-    LensBundleOptions options = model_options(model, guess.parameters, std::max(1.5, 4.0 * guess.score_px));
+    LensBundleOptions options = model_options(model, guess.parameters, scale_px());
     expect_ordinary_lens(lens, size, guess.parameters, options);
     options.max_iterations = 10;
     const int iterations = refine_lens(lens, views, options, guess.parameters, guess.poses).iterations;
-    const double before = guess.score_px;
     guess.score_px = robust_score(lens, guess.parameters.data(), views, guess.poses);
-    if (iterations < options.max_iterations && guess.score_px > 0.98 * before) break;
+    const bool next_is_the_same = scale_px() > 0.98 * options.scale_px;
+    if (iterations < options.max_iterations && next_is_the_same) break;
   }
 }
 
@@ -137,17 +138,21 @@ std::string reason_against_lens(const std::vector<PointsInView>& views, ImageSiz
   return {};
 }
 
-/// The start lens's rays in the model asked for, on the views that it was found with and then on more of them.
-LensVector lens_in_model(ModelId model, ImageSize size, const std::vector<PointsInView>& views,
-                         const std::vector<PointsInView>& chosen, const LensGuess& start) {
+/// The start lens's rays in the model asked for, on the views that it was found with.
+LensGuess lens_in_model(ModelId model, ImageSize size, const std::vector<PointsInView>& chosen,
+                        const LensGuess& start) {
   LensGuess guess;
   guess.parameters = fit_model(model, covered_field(chosen, start), start.parameters);
   const LensFunctions lens = lens_functions(model);
   guess.poses = start.poses;
   guess.score_px = robust_score(lens, guess.parameters.data(), chosen, guess.poses);
   polish(model, size, chosen, guess);
+  return guess;
+}
 
-  // Once more with more views, those that fit.
+/// A lens on more views, those that fit it.
+LensVector lens_on_more(ModelId model, ImageSize size, const std::vector<PointsInView>& views, const LensGuess& guess) {
+  const LensFunctions lens = lens_functions(model);
   const double threshold = std::clamp(5.0 * guess.score_px, kFitPx, 50.0);
   LensGuess last;
   last.parameters = guess.parameters;
@@ -216,16 +221,21 @@ PosedViews find_lens(const ProblemCamera& camera, const CameraViews& all) {
   // A quick answer counts only where it can be tested: on views that it was not found with, which it fits plainly.
   const auto first = views.size() > chosen.size() ? search_lens_quickly(chosen, camera.size) : std::nullopt;
   if (first && reason_against_lens(chosen, camera.size, *first).empty()) {
-    quick = posed_views(camera.model, lens_in_model(camera.model, camera.size, views, chosen, *first), all);
-    const bool fits_plainly = quick->threshold_px <= kFitPx;
-    if (fits_plainly && static_cast<double>(quick->posed()) >= kShareOfViews * static_cast<double>(views.size())) {
-      return *quick;
-    }
+    const LensGuess in_model = lens_in_model(camera.model, camera.size, chosen, *first);
+    const auto enough = [&] {
+      const bool fits_plainly = quick->threshold_px <= kFitPx;
+      return fits_plainly && static_cast<double>(quick->posed()) >= kShareOfViews * static_cast<double>(views.size());
+    };
+    quick = posed_views(camera.model, in_model.parameters, all);
+    if (enough()) return *quick;
+    quick = posed_views(camera.model, lens_on_more(camera.model, camera.size, views, in_model), all);
+    if (enough()) return *quick;
   }
   const LensGuess start = search_lens(chosen, camera.size);
   const std::string reason = reason_against_lens(chosen, camera.size, start);
   if (!reason.empty()) throw Error(ErrorKind::kNotEnoughData, reason, "camera " + camera.name);
-  PosedViews thorough = posed_views(camera.model, lens_in_model(camera.model, camera.size, views, chosen, start), all);
+  const LensGuess in_model = lens_in_model(camera.model, camera.size, chosen, start);
+  PosedViews thorough = posed_views(camera.model, lens_on_more(camera.model, camera.size, views, in_model), all);
   return quick && quick->posed() > thorough.posed() ? *quick : thorough;
 }
 

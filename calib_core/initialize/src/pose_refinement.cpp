@@ -46,10 +46,12 @@ double chord_cost(std::span<const Eigen::Vector3d> points, std::span<const Eigen
     const double weight = damping * damping / distance, weight2 = weight / distance;
     const Eigen::Vector3d across = arm.cross(direction);
     Matrix6& hessian = equations->hessian;
-    hessian.topLeftCorner<3, 3>() -= weight2 * (arm * arm.transpose() + across * across.transpose());
-    hessian.diagonal().head<3>().array() += weight2 * arm.squaredNorm();
-    hessian.topRightCorner<3, 3>() += weight2 * (skew(arm) - across * direction.transpose());
-    hessian.bottomRightCorner<3, 3>() -= weight2 * direction * direction.transpose();
+    const Eigen::Vector3d arm_of_weight = weight2 * arm, across_of_weight = weight2 * across;
+    const Eigen::Vector3d direction_of_weight = weight2 * direction;
+    hessian.topLeftCorner<3, 3>() -= arm_of_weight * arm.transpose() + across_of_weight * across.transpose();
+    hessian.diagonal().head<3>().array() += arm_of_weight.dot(arm);
+    hessian.topRightCorner<3, 3>() += skew(arm_of_weight) - across_of_weight * direction.transpose();
+    hessian.bottomRightCorner<3, 3>() -= direction_of_weight * direction.transpose();
     hessian.diagonal().tail<3>().array() += weight2;
     const Eigen::Vector3d b = weight * (chord - direction * direction.dot(chord));
     equations->gradient.head<3>() += arm.cross(b);
@@ -79,10 +81,12 @@ double refine_on_rays(std::span<const Eigen::Vector3d> points_in_target,
       const double decrease = -equations.gradient.dot(step);  // that the equations promise
       if (!(std::abs(decrease) > kNoDecrease * cost)) break;
       const Rigid3 moved = perturbed(pose, step);
+      const bool last = iteration + 1 == max_iterations || decrease < settled * cost;
       PoseEquations moved_equations;
-      const double moved_cost = chord_cost(points_in_target, rays_in_camera, moved, scale_rad, &moved_equations);
+      const double moved_cost =
+          chord_cost(points_in_target, rays_in_camera, moved, scale_rad, last ? nullptr : &moved_equations);
       if (moved_cost < cost) {
-        converged = cost - moved_cost < settled * cost;
+        converged = last || cost - moved_cost < settled * cost;
         pose = moved;
         cost = moved_cost;
         equations = moved_equations;
