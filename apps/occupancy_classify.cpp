@@ -148,7 +148,8 @@ std::string classify_stereo(const Flags& flags, const std::vector<std::string>& 
     const Json& answer = answers.add(file, seat->process(frame), more);
     if (!on_page) continue;
     shown.push_back(stereo_page_frame(input.name, frame));
-    shown.back().update({{"drawn", seat->watch().drawn()}, {"cabin", seat->watch().words()}, {"answer", answer}});
+    shown.back().update(seat->watch().on_page());
+    shown.back()["answer"] = answer;
   }
   return flags.page.empty() ? "" : stereo_page(shown);
 }

@@ -126,7 +126,7 @@ class Reconstruction {
                            {folder / (name + ".json"), files.json}});
     if (std::ssize(page_) < kMostPageFrames) {
       page_.push_back(stereo_page_frame(name, frame));
-      if (cabin_) page_.back().update({{"drawn", cabin_->drawn()}, {"cabin", cabin_->words()}});
+      if (cabin_) page_.back().update(cabin_->on_page());
     }
     flags_.json ? static_cast<void>(fmt::print("{}", files.json)) : print_row(name, frame);
     std::fflush(stdout);

@@ -126,6 +126,20 @@ Json CabinWatch::take(const StereoFrame& frame) {
   return json;
 }
 
+nlohmann::json CabinWatch::on_page() const { return {{"drawn", drawn()}, {"turn", turn()}, {"cabin", words()}}; }
+
+// Rows of the rotation from the rectified frame to one with the car's front on the right, its floor below, and its
+// left side away.
+nlohmann::json CabinWatch::turn() const {
+  const Eigen::Matrix3d vehicle = vehicle_from_rectified_.rotation.toRotationMatrix();
+  nlohmann::json rows = nlohmann::json::array();
+  for (const Eigen::RowVector3d& row :
+       {Eigen::RowVector3d(vehicle.row(0)), Eigen::RowVector3d(-vehicle.row(2)), Eigen::RowVector3d(vehicle.row(1))}) {
+    rows.insert(rows.end(), {row.x(), row.y(), row.z()});
+  }
+  return rows;
+}
+
 nlohmann::json CabinWatch::drawn() const {
   const Rigid3 rectified_from_vehicle = vehicle_from_rectified_.inverse();
   nlohmann::json all = nlohmann::json::array();

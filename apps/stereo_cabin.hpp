@@ -30,13 +30,16 @@ class CabinWatch {
   /// What one more frame tells: the "cabin" of docs/formats/stereo.md.
   nlohmann::ordered_json take(const StereoFrame& frame);
 
-  /// The same as last told, as lines in the rectified frame to be drawn: `lines` of [x, y, z, ...] with a `colour`.
-  nlohmann::json drawn() const;
+  /// The same as last told, for a frame of stereo_page: `drawn` (lines in the rectified frame, [x, y, z, ...] with a
+  /// `colour`), `turn` and `cabin`.
+  nlohmann::json on_page() const;
 
   /// In a few words, for a row of a table.
   std::string words() const;
 
  private:
+  nlohmann::json drawn() const;
+  nlohmann::json turn() const;
   Scan scan_of(const StereoFrame& frame);
   SeatPose known_seat() const;
   double chin_m() const;

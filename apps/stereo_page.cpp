@@ -43,7 +43,7 @@ constexpr std::string_view kBody =
 <figure><img id="left" alt="left rectified image"><figcaption>Left image, rectified.</figcaption></figure>
 <figure><img id="right" alt="right rectified image"><figcaption>Right image, rectified: the same rows.</figcaption></figure>
 <figure><img id="disparity" alt="disparities"><figcaption>Disparities: near is red, far is blue, black has no match.</figcaption></figure>
-<figure><canvas id="space" tabindex="0"></canvas><figcaption>Points, coloured by depth; drag or use the arrow keys to turn, the wheel to come near. In a car: safety zones red and orange, head white, boxes of the seat blue, grey until it was seen empty.</figcaption></figure>
+<figure><canvas id="space" tabindex="0"></canvas><figcaption>Points, coloured by depth; drag or use the arrow keys to turn, the wheel to come near. In a car, to the front is right: safety zones red and orange, head white, boxes of the seat blue, grey until it was seen empty.</figcaption></figure>
 <figure id="decision" hidden><table id="reasons"></table><figcaption>What the decision rests on.</figcaption></figure>
 </main>
 <script type="application/json" id="data">)";
@@ -54,16 +54,29 @@ constexpr std::string_view kEnd =
     R"(const frames = JSON.parse(document.getElementById('data').textContent), part = id => document.getElementById(id);
 const canvas = part('space'), context = canvas.getContext('2d'), which = part('which');
 which.max = frames.length - 1; which.value = 0;
+for (const frame of frames) {
+  frame.reach = frame.middle_m[2];
+  frame.depths = frame.points.filter((_, i) => i % 4 === 2);
+  const turn = (list, stride) => {
+    for (let i = 0; i < list.length; i += stride) {
+      const [x, y, z] = list.slice(i, i + 3);
+      for (let k = 0; k < 3; ++k) list[i + k] = frame.turn[3 * k] * x + frame.turn[3 * k + 1] * y + frame.turn[3 * k + 2] * z;
+    }
+  };
+  if (!frame.turn) continue;
+  turn(frame.points, 4); turn(frame.middle_m, 3);
+  for (const {lines} of frame.drawn) turn(lines, 3);
+}
 let yaw = 0.4, pitch = -0.25, zoom = 1, timer = 0;
 const draw = () => {
   const frame = frames[which.value], p = frame.points, n = p.length / 4;
   const w = canvas.width = canvas.clientWidth * devicePixelRatio, h = canvas.height = canvas.clientHeight * devicePixelRatio;
   const [cy, sy, cp, sp] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
-  const scale = 1.2 * zoom * Math.min(w, h), middle = frame.middle_m, eye = 3 * middle[2], seen = [];
+  const scale = 1.2 * zoom * Math.min(w, h), middle = frame.middle_m, eye = 3 * frame.reach, seen = [];
   for (let i = 0; i < n; ++i) {
     const x = p[4 * i] - middle[0], y = p[4 * i + 1] - middle[1], z = p[4 * i + 2] - middle[2];
     const a = cy * x + sy * z, b = cy * z - sy * x, depth = cp * b - sp * y + eye;
-    if (depth > 0.05 * eye) seen.push([w / 2 + scale * a / depth, h / 2 + scale * (cp * y + sp * b) / depth, depth, p[4 * i + 2] / middle[2], p[4 * i + 3]]);
+    if (depth > 0.05 * eye) seen.push([w / 2 + scale * a / depth, h / 2 + scale * (cp * y + sp * b) / depth, depth, frame.depths[i] / frame.reach, p[4 * i + 3]]);
   }
   seen.sort((a, b) => b[2] - a[2]);
   context.clearRect(0, 0, w, h);
@@ -93,7 +106,7 @@ const show = () => {
   part('left').src = 'data:image/jpeg;base64,' + frame.left;
   part('right').src = 'data:image/jpeg;base64,' + frame.right;
   part('disparity').src = 'data:image/png;base64,' + frame.disparity;
-  state.textContent = frame.state; state.className = 'state ' + frame.state;
+  state.textContent = (frame.answer || frame).state; state.className = 'state ' + state.textContent;
   part('words').textContent = `${frame.name}: ${frame.matched} matches (${+which.value + 1} of ${frames.length})` + (frame.cabin ? ', ' + frame.cabin : '');
   part('decision').hidden = !frame.answer;
   if (frame.answer) showAnswer(frame.answer);

@@ -17,9 +17,8 @@ nlohmann::json stereo_page_frame(const std::string& name, const StereoFrame& fra
 
 /// A self-contained page about a sequence of pairs: images, disparities and points in space, to be played.
 ///
-/// @param frames  array of stereo_page_frame; where frames have `answer`, as json_of_answer makes it, the page shows
-/// the
-///                decision and what it rests on, where they have `drawn` and `cabin`, lines in space and words
+/// @param frames  array of stereo_page_frame. Frames may have more: `answer`, as json_of_answer makes it, shows the
+///                decision and what it rests on; CabinWatch::on_page() shows zones, boxes and head in an upright car
 std::string stereo_page(const nlohmann::json& frames);
 
 }  // namespace raybundle::apps
