@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "occupancy_chain.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -32,6 +33,11 @@ Bytes bytes_of(const GreyImage& image) {
 
 CabinPart part_of(const CabinScene& scene, const CabinHit& hit) {
   return hit.mesh < 0 ? CabinPart::kCar : scene.cockpit().meshes[hit.mesh].part;
+}
+
+// Every so-and-so-many-th pixel, each way, so that so many points remain.
+int step_of(int matched, int most_points) {
+  return most_points == 0 ? 1 : std::max(1, static_cast<int>(std::ceil(std::sqrt(1.0 * matched / most_points))));
 }
 
 StereoOptions stereo_options(const Calibration& calibration) {
@@ -119,10 +125,12 @@ void ChainSource::measure_pair(const CabinScene& scene, double time_s, MeasuredS
   const Rigid3 true_from_rectified = sensor_.vehicle_from_rig * rig_from_rectified;
   std::vector<Eigen::Vector3d> directions;
   measured.viewpoint_in_vehicle = vehicle_from_rectified.translation;
-  measured.rays = frame.points.width * frame.points.height;
+  const int step = step_of(frame.disparity.matched, request_.most_points);
+  const int columns = frame.points.width / step, rows = frame.points.height / step;
+  measured.rays = columns * rows;
   measured.state = frame.state;
   for (int ray = 0; ray < measured.rays; ++ray) {
-    const StereoPoint& point = frame.points.at(ray % frame.points.width, ray / frame.points.width);
+    const StereoPoint& point = frame.points.at(ray % columns * step, ray / columns * step);
     if (point.sigma_m == 0) continue;
     const Eigen::Vector3d x(point.x_m, point.y_m, point.z_m);
     measured.points.push_back({ray, vehicle_from_rectified * x, static_cast<double>(point.sigma_m)});

@@ -35,6 +35,7 @@ struct SceneRequest {
   CockpitRequest cockpit;
   LaserGrid grid{11, 11};
   ImageSize stereo_size{128, 128};
+  int most_points = 0;  ///< of a stereo frame: every so-and-so-many-th pixel is taken; 0: all are
 };
 
 /// The sensor that a request names.

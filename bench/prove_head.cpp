@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: The Raybundle authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The head of whoever is on the seat, from depth of 128x128 stereo in simulated cabins: how far its front (where the
-// line from the sensor to its centre enters it) is from the true one, how often it is found, whether its sigma tells,
-// and how often a head is found where none is. For information: the same of its centre, and of its foremost place.
-// The matcher's errors are simulated: a matcher that runs on rendered images loses more of a head than they say.
-// usage: prove_head [scenes of each class, default 60 [first seed]]
+// The head of whoever is on the seat, through the whole chain: simulated cabins are rendered as a pair of 640x480
+// cameras sees them, the runtime rectifies, matches and triangulates, find_head looks at every third pixel, as
+// `reconstruct stereo` does; the seat's setting is given. How far the head's front (where the line from the sensor to
+// its centre enters it) is from the true one, how often it is found, whether its sigma tells, and how often a head is
+// found where none is. For information: the same of its centre, of its foremost place, and of people before smaller
+// cameras. usage: prove_head [scenes of each class, default 60 [first seed]]
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -15,7 +16,7 @@
 #include <vector>
 
 #include "each_index.hpp"
-#include "occupancy_scenes.hpp"
+#include "occupancy_chain.hpp"
 #include "raybundle/geometry/quantile.hpp"
 #include "raybundle/occupancy/head.hpp"
 #include "support/bar.hpp"
@@ -30,8 +31,10 @@ constexpr double kMostMedian_m = 0.008, kMost95_m = 0.020;
 constexpr double kLeastFound = 0.95, kMostFalse = 0.01;
 constexpr double kLeastWithin[] = {0.60, 0.90, 0.97};     // at least, of one, two and three sigmas
 constexpr double kChiSquared[] = {3.527, 8.025, 14.156};  // 68.3, 95.4 and 99.7 % of three normal variables
-constexpr int kVisible = 100;                             // points on a head that is seen well
-constexpr std::uint64_t kSeed = 2000000000;               // of the first scene
+constexpr ImageSize kSize{640, 480};
+constexpr int kMostPoints = 20000;           // of a frame
+constexpr int kVisible = 100;                // points on a head that is seen well
+constexpr std::uint64_t kSeed = 2000000000;  // of the first scene
 constexpr int kThreads = 2;
 
 struct Trial {
@@ -52,8 +55,9 @@ Eigen::Vector3d foremost_of(const Eigen::Vector3d& centre, const Eigen::Matrix3d
   return centre + vehicle_from_head * semi_axes.cwiseProduct(stretched.normalized());
 }
 
-Trial trial(CockpitGenerator generator, CabinClass wanted, std::uint64_t seed) {
-  const MeasuredScene scene = measured_scene({SensorKind::kStereo, {generator, seed, wanted, 0.0}, {11, 11}});
+Trial trial(CockpitGenerator generator, CabinClass wanted, std::uint64_t seed, ImageSize size) {
+  const SceneRequest request{SensorKind::kStereo, {generator, seed, wanted, 0.0}, {11, 11}, size, kMostPoints};
+  const MeasuredScene scene = ChainSource(request).at(0.0);
   const SeatSetting& set = scene.truth.seat;
   const SeatPose seat{{set.bight.x(), set.bight.z()}, set.recline_rad, set.cushion_pitch_rad};
   const Head head = find_head(scene.layout, seat, scene.scan());
@@ -79,13 +83,36 @@ void print_errors(const char* what, std::vector<double>& errors_m) {
 struct Group {
   const char* name;
   std::vector<CabinClass> classes;
+  bool to_be_found = false;  // else not to be told is as right as to be told rightly
 };
 
-bool prove(CockpitGenerator generator, const Group& group, int scenes, std::uint64_t seed) {
+const char* name_of(CockpitGenerator generator) {
+  return generator == CockpitGenerator::kTraining ? "training" : "held-out";
+}
+
+std::vector<Trial> trials_of(CockpitGenerator generator, const Group& group, int scenes, std::uint64_t seed,
+                             ImageSize size) {
   std::vector<Trial> trials(group.classes.size() * static_cast<std::size_t>(scenes));
   for_each_index(trials.size(), kThreads, [&](std::size_t i) {
-    trials[i] = trial(generator, group.classes[i % group.classes.size()], seed + i);
+    trials[i] = trial(generator, group.classes[i % group.classes.size()], seed + i, size);
   });
+  return trials;
+}
+
+void inform(CockpitGenerator generator, const Group& group, int scenes, std::uint64_t seed, ImageSize size) {
+  const std::vector<Trial> trials = trials_of(generator, group, scenes, seed, size);
+  std::vector<double> errors_m;
+  for (const Trial& trial : trials) {
+    if (trial.found) errors_m.push_back(trial.error_m);
+  }
+  std::printf("information: %s, %s, %dx%d: %zu of %zu found\n", name_of(generator), group.name, size.width, size.height,
+              errors_m.size(), trials.size());
+  if (!errors_m.empty()) print_errors("of their front", errors_m);
+  std::fflush(stdout);
+}
+
+bool prove(CockpitGenerator generator, const Group& group, int scenes, std::uint64_t seed) {
+  const std::vector<Trial> trials = trials_of(generator, group, scenes, seed, kSize);
   int visible = 0, visible_found = 0, empty = 0, wrong = 0;
   double within[3] = {};
   std::vector<double> errors_m, centre_errors_m, foremost_errors_m;
@@ -100,11 +127,15 @@ bool prove(CockpitGenerator generator, const Group& group, int scenes, std::uint
     foremost_errors_m.push_back(trial.foremost_error_m);
     for (int i = 0; i < 3; ++i) within[i] += trial.chi_squared <= kChiSquared[i];
   }
-  std::printf("%s, %s: %zu scenes, one frame each\n",
-              generator == CockpitGenerator::kTraining ? "training" : "held-out", group.name, trials.size());
+  std::printf("%s, %s: %zu scenes, one frame of %dx%d each\n", name_of(generator), group.name, trials.size(),
+              kSize.width, kSize.height);
   bool good = true;
-  if (visible > 0)
-    good &= at_least(kLeastFound, "heads that are seen well and found", 1.0 * visible_found / visible, kPercent);
+  if (group.to_be_found) {
+    good &= at_least(kLeastFound, "heads that are seen well and found", 1.0 * visible_found / std::max(1, visible),
+                     kPercent);
+  } else if (visible > 0) {
+    std::printf("  information: %d of %d heads that are seen well are told\n", visible_found, visible);
+  }
   if (empty > 0) good &= at_most(kMostFalse, "heads found where none is", 1.0 * wrong / empty, kPercent);
   if (!errors_m.empty()) {
     good &= at_most(kMostMedian_m, "distance from the true front, median", median(errors_m), kMillimetres);
@@ -130,12 +161,15 @@ int main(int argc, char** argv) {
     return 2;
   }
   const Group groups[] = {
-      {"people on the seat", {CabinClass::kPassenger, CabinClass::kOutOfPosition, CabinClass::kChildInBooster}},
+      {"people on the seat", {CabinClass::kPassenger, CabinClass::kOutOfPosition, CabinClass::kChildInBooster}, true},
       {"baby seats", {CabinClass::kForwardBabySeat, CabinClass::kRearBabySeat}},
       {"nobody", {CabinClass::kEmpty, CabinClass::kEmptyBooster, CabinClass::kObjects}}};
   bool good = true;
   for (const CockpitGenerator generator : {CockpitGenerator::kTraining, CockpitGenerator::kTest}) {
     for (const Group& group : groups) good &= prove(generator, group, scenes, seed);
+    for (const ImageSize size : {ImageSize{320, 240}, ImageSize{128, 128}}) {
+      inform(generator, groups[0], std::max(1, scenes / 3), seed, size);
+    }
   }
   return good ? 0 : 1;
 }

@@ -25,11 +25,12 @@ struct Candidate {
 
 bool may_be_there(const VehicleLayout& layout, const SeatPose& seat, const Eigen::Vector3d& x,
                   const HeadOptions& options) {
-  const Eigen::Vector2d from_bight(x.x() - seat.bight.x(), x.z() - seat.bight.y());
+  const double ahead = x.x() - seat.bight.x(), above = x.z() - seat.bight.y();
+  const bool over_front = ahead > options.front_from_m && ahead < options.front_to_m;
   return std::abs(x.y()) < layout.zone_half_width_m - options.least_from_side_m &&
          x.z() < layout.roof_m - kBelowRoof_m && x.x() < layout.dashboard_x_m + kBeforeZone_m &&
-         seat.before_back(x) > options.least_before_back_m && seat.above_cushion(x) > options.least_above_cushion_m &&
-         from_bight.norm() > options.least_from_bight_m;
+         seat.before_back(x) > options.least_before_back_m &&
+         above > (over_front ? options.least_above_front_m : options.least_above_bight_m);
 }
 
 // What rays say of a ball.
@@ -105,11 +106,10 @@ Head find_head(const VehicleLayout& layout, const SeatPose& seat, const Scan& sc
     const BallCount count = count_ball(scan, head.centre, head.semi_axes_m.mean(), 1);
     head.filled = count.filled();
     head.clear = count.free();
-    const bool believed = head.filled >= options.least_filled && head.clear >= options.least_clear &&
-                          head.semi_axes_m.x() <= options.most_size * options.semi_axes_m.x() &&
-                          head.misfit <= options.most_misfit;
+    const bool believed =
+        head.filled >= options.least_filled && head.clear >= options.least_clear && head.misfit <= options.most_misfit;
     if (!believed) continue;
-    if (!best.found || seat.above_cushion(head.centre) > seat.above_cushion(best.centre)) best = head;
+    if (!best.found || head.centre.z() > best.centre.z()) best = head;
   }
   return best;
 }

@@ -25,6 +25,10 @@ struct Ellipsoid {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double log_size = 0.0, turn_rad = 0.0, nod_rad = 0.0;
 
+  Eigen::Vector3d semi_axes_m(const HeadOptions& options) const {
+    return options.semi_axes_m.array() * (log_size * options.growth).array().exp();
+  }
+
   Eigen::Matrix3d vehicle_from_head() const {
     const Eigen::AngleAxisd turn(turn_rad, Eigen::Vector3d::UnitZ()), nod(nod_rad, Eigen::Vector3d::UnitY());
     return (turn * nod).toRotationMatrix();
@@ -40,11 +44,12 @@ struct Distance {
 // The sums of one step.
 class Sums {
  public:
-  Sums(const Ellipsoid& ellipsoid, const Scan& scan, const HeadOptions& options)
+  Sums(const Ellipsoid& ellipsoid, const Scan& scan, double alike_points, const HeadOptions& options)
       : options_(options),
+        alike_points_(alike_points),
         eye_(scan.viewpoint_in_vehicle),
         turn_(ellipsoid.vehicle_from_head()),
-        axes_(std::exp(ellipsoid.log_size) * options.semi_axes_m),
+        axes_(ellipsoid.semi_axes_m(options)),
         centre_(ellipsoid.centre),
         eye_in_ball_(in_ball(eye_)) {}
 
@@ -62,13 +67,13 @@ class Sums {
     const Distance distance = distance_of(passes ? past : place);
     const double facing = (point.x_in_vehicle - eye_).dot(distance.row.head<3>()) / range;
     if (facing < (outline > 1.0 ? -kGrazing : 0.0)) return;  // its far side
-    const double depth_m = passes ? 0.0 : point.sigma_m * facing;
+    const double depth_m = passes ? 0.0 : options_.curved_sigmas * point.sigma_m * facing;
     const double variance = depth_m * depth_m + options_.shape_sigma_m * options_.shape_sigma_m;
     const double share2 = distance.m * distance.m / (cut * cut * variance);
     if (share2 >= 1.0) return;
     const double weight = (1.0 - share2) * (1.0 - share2) / variance;
-    information += weight / options_.alike_points * distance.row * distance.row.transpose();
-    gradient += weight / options_.alike_points * distance.m * distance.row;
+    information += weight / alike_points_ * distance.row * distance.row.transpose();
+    gradient += weight / alike_points_ * distance.m * distance.row;
     if (passes) return;
     squares_ += distance.m * distance.m;
     squares_in_sigmas_ += distance.m * distance.m / variance;
@@ -80,16 +85,18 @@ class Sums {
     gradient[i] += value / (sigma * sigma);
   }
 
-  // From the eye towards the centre: where the ellipsoid begins, and how that changes with what is fitted.
+  // From the eye towards a place in the ellipsoid: where it begins, and how that changes with what is fitted.
   struct Front {
     Eigen::Vector3d place;
     Eigen::Matrix<double, 3, 6> rows;
   };
 
-  Front front() const {
-    const double range = (centre_ - eye_).norm();
-    const Eigen::Vector3d ray = (centre_ - eye_) / range;
-    const double share = 1.0 - 1.0 / eye_in_ball_.norm();
+  Front front(const Eigen::Vector3d& inner) const {
+    const double range = (inner - eye_).norm();
+    const Eigen::Vector3d ray = (inner - eye_) / range, along = in_ball(inner) - eye_in_ball_;
+    const double half = eye_in_ball_.dot(along), square = along.squaredNorm();
+    const double inside = std::max(0.0, half * half - square * (eye_in_ball_.squaredNorm() - 1.0));
+    const double share = (-half - std::sqrt(inside)) / square;
     const Eigen::Vector3d place = eye_ + share * range * ray;
     const Distance distance = distance_of(in_ball(place));
     const Eigen::RowVector3d normal = -distance.row.head<3>();
@@ -119,12 +126,14 @@ class Sums {
     normal /= slope;
     const Eigen::Vector3d off = turn_ * place.cwiseProduct(axes_);
     Distance distance{(rho - 1.0) / slope, {}};
-    distance.row << -normal, -rho / slope, -normal.dot(Eigen::Vector3d::UnitZ().cross(off)),
+    const Eigen::Vector3d grown = turn_ * place.cwiseProduct(axes_).cwiseProduct(options_.growth);
+    distance.row << -normal, -normal.dot(grown) / rho, -normal.dot(Eigen::Vector3d::UnitZ().cross(off)),
         -normal.dot(turn_.col(1).cross(off));
     return distance;
   }
 
   const HeadOptions& options_;
+  double alike_points_;
   Eigen::Vector3d eye_;
   Eigen::Matrix3d turn_;
   Eigen::Vector3d axes_, centre_, eye_in_ball_;
@@ -137,11 +146,15 @@ Head fit_head(const Scan& scan, const Eigen::Vector3d& start, const HeadOptions&
   Head head;
   Ellipsoid ellipsoid{.centre = start, .nod_rad = options.nod_rad};
   Matrix6 covariance = Matrix6::Zero();
+  const double radius_m = options.semi_axes_m.mean();
+  const double patches = M_PI * radius_m * radius_m / (options.alike_m * options.alike_m);
+  double alike_points = options.least_points / patches;
   for (int i = 0; i < kIterations; ++i) {
-    Sums sums(ellipsoid, scan, options);
+    Sums sums(ellipsoid, scan, alike_points, options);
     const double cut = kCut * (1.0 + 2.0 * std::max(0.0, 1.0 - static_cast<double>(i) / kWideIterations));
     for (const ScenePoint& point : scan.points) sums.add(point, cut);
     if (sums.points < options.least_points) return head;
+    alike_points = std::max(1.0, sums.points / patches);
     sums.add_prior(3, ellipsoid.log_size, options.size_sigma);
     sums.add_prior(4, ellipsoid.turn_rad, options.turn_sigma_rad);
     sums.add_prior(5, ellipsoid.nod_rad - options.nod_rad, options.nod_sigma_rad);
@@ -156,16 +169,17 @@ Head fit_head(const Scan& scan, const Eigen::Vector3d& start, const HeadOptions&
     head.misfit = sums.misfit();
     covariance = sums.information.inverse();
   }
-  const Sums::Front front = Sums(ellipsoid, scan, options).front();
+  head.vehicle_from_head = ellipsoid.vehicle_from_head();
+  head.centre = ellipsoid.centre + head.vehicle_from_head * options.centre_from_hair_m;
+  const Sums::Front front = Sums(ellipsoid, scan, alike_points, options).front(head.centre);
   head.front = front.place;
   head.front_covariance_m2 = front.rows * covariance * front.rows.transpose();
   head.front_covariance_m2.diagonal().array() += options.shape_sigma_m * options.shape_sigma_m;
   head.covariance_m2 = covariance.topLeftCorner<3, 3>();
   head.covariance_m2.diagonal().array() += options.hair_sigma_m * options.hair_sigma_m;
   head.found = ellipsoid.centre.allFinite();
-  head.vehicle_from_head = ellipsoid.vehicle_from_head();
-  head.centre = ellipsoid.centre + options.hair_m * head.vehicle_from_head.col(0);
-  head.semi_axes_m = std::exp(ellipsoid.log_size) * options.semi_axes_m;
+  head.semi_axes_m = ellipsoid.semi_axes_m(options);
+  head.size = std::exp(ellipsoid.log_size);
   return head;
 }
 

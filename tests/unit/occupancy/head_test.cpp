@@ -62,11 +62,12 @@ Head found_in(const std::vector<Shape>& shapes, double sigma_m) {
 }
 
 const Shape kBody{{-0.05, 0.0, 0.22}, {0.13, 0.20, 0.28}};
-const double kHair_m = HeadOptions{}.hair_m;  // the centre that is told lies so far before that of head and hair
-
+// The head and hair that are seen of a head whose centre is to be told.
 Shape head_at(const Eigen::Vector3d& centre, double turn_rad, double size = 1.0) {
-  const Eigen::Vector3d ahead(std::cos(turn_rad), std::sin(turn_rad), 0.0);
-  return {centre - kHair_m * ahead, size * HeadOptions{}.semi_axes_m, turn_rad};
+  const HeadOptions options;
+  const Eigen::AngleAxisd turn(turn_rad, Eigen::Vector3d::UnitZ());
+  return {centre - turn * options.centre_from_hair_m,
+          options.semi_axes_m.array() * (std::log(size) * options.growth).array().exp(), turn_rad};
 }
 
 // Wherever a head may be and look: 1 cm is what a size that is not known leaves of a front that is seen exactly.
@@ -100,7 +101,7 @@ TEST(Head, ItsFrontIsSurerThanItsCentre) {
     const Shape shape = head_at({-0.05, 0.03, 0.60}, 0.2, size);
     const Head head = found_in({kBody, shape}, 0.002);
     ASSERT_TRUE(head.found) << size;
-    const Eigen::Vector3d ray = (shape.centre - kEye).normalized();
+    const Eigen::Vector3d ray = (Eigen::Vector3d(-0.05, 0.03, 0.60) - kEye).normalized();
     const Eigen::Vector3d error = head.front - (kEye + distance_to(shape, ray) * ray);
     EXPECT_LT(error.norm(), 0.005) << size;
     EXPECT_LT(error.dot(head.front_covariance_m2.ldlt().solve(error)), 16.0) << size;
@@ -111,10 +112,10 @@ TEST(Head, ItsFrontIsSurerThanItsCentre) {
 // A fist held before the chest is as round as a head and stands as free; it is lower.
 TEST(Head, IsAboveAFist) {
   const Eigen::Vector3d centre(-0.10, 0.0, 0.64);
-  const Head head = found_in({kBody, head_at(centre, 0.0), {{0.16, -0.06, 0.38}, {0.09, 0.09, 0.09}}}, 0.002);
+  const Head head = found_in({kBody, head_at(centre, 0.0), {{0.16, -0.06, 0.45}, {0.09, 0.09, 0.09}}}, 0.002);
   ASSERT_TRUE(head.found);
   EXPECT_LT((head.centre - centre).norm(), 0.010);
-  const Head fist = found_in({{{0.16, -0.06, 0.38}, {0.09, 0.09, 0.09}}}, 0.002);
+  const Head fist = found_in({{{0.16, -0.06, 0.45}, {0.09, 0.09, 0.09}}}, 0.002);
   EXPECT_TRUE(fist.found);  // alone it would be taken for one: that is what the test is about
 }
 

@@ -12,24 +12,31 @@ namespace raybundle {
 
 /// What heads are like, and what is believed to be one. Sizes follow ISO 7250: adults of both sexes and schoolchildren.
 struct HeadOptions {
-  Eigen::Vector3d semi_axes_m = {0.094, 0.077, 0.112};  ///< to the face, to the ear, to the crown
-  double size_sigma = 0.05;                             ///< standard deviation of a factor of all axes
-  double turn_sigma_rad = 0.7;                          ///< of heads about the vertical, against looking ahead
-  double nod_rad = 0.15;                                ///< commonly, the face down
+  Eigen::Vector3d semi_axes_m = {0.093, 0.074, 0.108};  ///< to the face, to the ear, to the crown
+  Eigen::Vector3d growth = {0.75, 0.90, 1.35};  ///< of their logarithms by that of the size: children's faces are short
+  double size_sigma = 0.06;                     ///< of the size's logarithm
+  double turn_sigma_rad = 0.7;                  ///< of heads about the vertical, against looking ahead
+  double nod_rad = 0.15;                        ///< commonly, the face down
   double nod_sigma_rad = 0.4;
-  double hair_m = 0.004;             ///< head and hair are centred so far behind the head
-  double hair_sigma_m = 0.006;       ///< of the centre: how hair lies is not known
-  double shape_sigma_m = 0.006;      ///< of faces and hair from the ellipsoid
-  double alike_points = 16.0;        ///< so many points err alike, as neighbouring pixels of a matcher do
-  double least_from_bight_m = 0.48;  ///< a head is so far from where cushion and back meet,
-  double least_above_cushion_m = 0.30;
-  double least_before_back_m = 0.10;  ///< headrests are nearer
+  /// The head's centre from that of head and hair together, in the axes of the head: hair lies on its back and crown.
+  Eigen::Vector3d centre_from_hair_m = {0.004, 0.0, -0.003};
+  double hair_sigma_m = 0.006;   ///< of the centre: how hair lies is not known
+  double shape_sigma_m = 0.006;  ///< of faces and hair from the ellipsoid
+  double curved_sigmas = 2.0;    ///< depths scatter on heads by so many of their sigmas, which are those of planes
+  double alike_m = 0.03;         ///< places on a head that are so near err alike: a matcher's window, a lock of hair
+  double least_above_bight_m = 0.40;  ///< of the centre; lower are knees, fists and bags
+
+  /// Over the front half of the cushion, so far before the bight, heads of this height are not told: there lie those of
+  /// babies that face the rear, and what the shells of their seats leave to be seen does not tell where they are. A
+  /// head on the dashboard is farther ahead.
+  double least_above_front_m = 0.62;
+  double front_from_m = 0.28, front_to_m = 0.64;
+  double least_before_back_m = 0.10;  ///< half a head's length: headrests are nearer
   double least_from_side_m = 0.06;    ///< of its centre, from the zones' sides: it is over the seat
   int least_points = 60;
-  double least_filled = 0.70;
-  double least_clear = 0.50;
-  double most_size = 1.15;    ///< of the factor
-  double most_misfit = 1.12;  ///< what is no ellipsoid differs more from one
+  double least_filled = 0.60;  ///< more than half of a head is seen, not a rim of it
+  double least_clear = 0.40;   ///< a shoulder or a headrest may stand beside it on one side, a wall on both
+  double most_misfit = 1.05;   ///< 1: points lie about the ellipsoid as their sigmas say; knees and bags do not
 };
 
 /// A head that was found.
@@ -40,6 +47,7 @@ struct Head {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();         ///< [m] of the head's ellipsoid, in the vehicle frame
   Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();  ///< of the centre
   Eigen::Vector3d semi_axes_m = Eigen::Vector3d::Zero();    ///< to the face, to the ear, to the crown
+  double size = 1.0;                                        ///< the mean head has 1
   Eigen::Matrix3d vehicle_from_head = Eigen::Matrix3d::Identity();  ///< columns: towards face, left ear, crown
   int points = 0;                                                   ///< on it
   double residual_m = 0.0;                                          ///< their root mean square distance from it
