@@ -68,21 +68,12 @@ Solved solve(const CalibrationProblem& problem) {
   return solved;
 }
 
-// The block of a covariance that belongs to a camera's intrinsics.
-Eigen::MatrixXd of_intrinsics(const Covariance& covariance, const RigCamera& camera) {
-  const std::vector<std::string_view> names = parameter_names(camera.camera.model);
-  std::vector<Eigen::Index> at;
-  for (const std::string_view name : names) {
-    const auto found = std::ranges::find(covariance.names, camera.name + "." + std::string(name));
-    at.push_back(found - covariance.names.begin());
-  }
-  return covariance.matrix(at, at);
-}
-
 double sigma_px(const Calibration& calibration, const RigCamera& camera, const std::vector<Eigen::Vector3d>& rays) {
-  const double sigma = projection_sigma_px(camera.camera, of_intrinsics(calibration.covariance, camera), rays);
+  const double sigma = projection_sigma_px(
+      camera.camera, covariance_of_intrinsics(calibration.covariance, camera.name, camera.camera.model), rays);
   if (!calibration.covariance_by_frame) return sigma;
-  const Eigen::MatrixXd by_frame = of_intrinsics(*calibration.covariance_by_frame, camera);
+  const Eigen::MatrixXd by_frame =
+      covariance_of_intrinsics(*calibration.covariance_by_frame, camera.name, camera.camera.model);
   return std::max(sigma, projection_sigma_px(camera.camera, by_frame, rays));
 }
 

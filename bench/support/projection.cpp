@@ -3,6 +3,7 @@
 #include "projection.hpp"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -55,6 +56,24 @@ double projection_difference_px(const Camera& reference, const Camera& other,
     turn = rotation_from_vector(-normal.ldlt().solve(gradient)) * turn;
   }
   return rms;
+}
+
+Eigen::MatrixXd covariance_of_intrinsics(const Covariance& covariance, const std::string& camera, ModelId model) {
+  const std::vector<std::string_view> names = parameter_names(model);
+  const auto count = static_cast<Eigen::Index>(names.size());
+  std::vector<Eigen::Index> at(names.size());  // in the covariance; past its end where it has none
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    at[k] = std::ranges::find(covariance.names, camera + "." + std::string(names[k])) - covariance.names.begin();
+  }
+  Eigen::MatrixXd block = Eigen::MatrixXd::Zero(count, count);
+  for (Eigen::Index row = 0; row < count; ++row) {
+    for (Eigen::Index column = 0; column < count; ++column) {
+      const Eigen::Index from = at[row], to = at[column];
+      const bool known = std::max(from, to) < covariance.matrix.rows();
+      if (known) block(row, column) = covariance.matrix(from, to);
+    }
+  }
+  return block;
 }
 
 double projection_sigma_px(const Camera& camera, const Eigen::MatrixXd& covariance,

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 #include "raybundle/camera/camera.hpp"
+#include "raybundle/scene/calibration.hpp"
 
 namespace raybundle::bench {
 
@@ -15,6 +17,9 @@ namespace raybundle::bench {
 /// @param rays_in_reference  unit vectors
 double projection_difference_px(const Camera& reference, const Camera& other,
                                 const std::vector<Eigen::Vector3d>& rays_in_reference);
+
+/// The block of a covariance that belongs to a camera's intrinsics; zero for those that were not estimated.
+Eigen::MatrixXd covariance_of_intrinsics(const Covariance& covariance, const std::string& camera, ModelId model);
 
 /// Root mean square standard deviation [px] of a camera's projection of rays, the turn that poses take up removed.
 ///

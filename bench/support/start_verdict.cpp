@@ -10,6 +10,7 @@
 #include "clock.hpp"
 #include "projection.hpp"
 #include "raybundle/bundle/information.hpp"
+#include "raybundle/calibrate/lens_domain.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/uncertainty/covariance.hpp"
 
@@ -32,11 +33,30 @@ BundleState state_of(const CalibrationResult& result) {
   return state;
 }
 
+/// A problem that may hold coefficients at zero, and its optimum.
+struct Optimum {
+  CalibrationProblem problem;
+  BundleState state;
+  BundleSummary summary;
+};
+
 BundleSummary solve_to_the_end(const CalibrationProblem& problem, BundleState& state, bool estimate_shape = false) {
   BundleOptions options;
   options.estimate_shape = estimate_shape;
   options.max_iterations = 500;
   return solve_bundle(problem, state, options);
+}
+
+/// Where a solve ends that starts from the truth. Lenses that end among their corners are left as calibrate() leaves
+/// them.
+Optimum optimum_from_truth(const RandomRig& rig, const BundleState& start, bool estimate_shape = false) {
+  Optimum optimum{rig.problem, start, {}};
+  const auto solve = [&](const CalibrationProblem& problem, BundleState& state) {
+    return solve_to_the_end(problem, state, estimate_shape);
+  };
+  optimum.summary = solve(optimum.problem, optimum.state);
+  give_up_coefficients(optimum.problem, optimum.state, optimum.summary, solve);
+  return optimum;
 }
 
 /// Rays of the right corners through the true camera.
@@ -97,14 +117,14 @@ double right_kept(const RandomRig& rig, const BundleState& answer) {
   return right > 0 ? kept / right : 1.0;
 }
 
-/// The cost that a start from the truth reaches with the corners that the answer uses.
-double truth_cost_of(const RandomRig& rig, const BundleState& answer) {
+/// What a start from the truth reaches with the corners that the answer uses.
+Optimum truth_with_corners_of(const RandomRig& rig, const BundleState& answer) {
   BundleState state = rig.truth;
   state.fates = answer.fates;
   for (std::size_t v = 0; v < state.pose_of_view.size(); ++v) {
     if (answer.pose_of_view[v] < 0) state.pose_of_view[v] = -1;
   }
-  return solve_to_the_end(rig.problem, state, bent(answer.shapes[0])).final_cost;
+  return optimum_from_truth(rig, state, bent(answer.shapes[0]));
 }
 
 template <typename... Values>
@@ -117,15 +137,16 @@ std::string text(const char* format, Values... values) {
 }  // namespace
 
 TruthStart start_from_truth(const RandomRig& rig) {
-  TruthStart start{.optimum = rig.truth};
-  start.cost = solve_to_the_end(rig.problem, start.optimum).final_cost;
+  const Optimum optimum = optimum_from_truth(rig, rig.truth);
+  TruthStart start{.optimum = optimum.state, .cost = optimum.summary.final_cost};
   start.projection_sigma_px = std::numeric_limits<double>::infinity();
-  ReducedInformation information = reduced_information(rig.problem, start.optimum);
+  ReducedInformation information = reduced_information(optimum.problem, optimum.state);
   information.chi2 = std::max(0, information.residuals - information.parameters);  // the noise is known
   const CovarianceResult known = covariance(information);
   if (known.unseen) return start;
   const Camera& camera = start.optimum.cameras[0];
-  start.projection_sigma_px = bench::projection_sigma_px(camera, known.covariance.matrix, right_rays(rig));
+  start.projection_sigma_px = bench::projection_sigma_px(
+      camera, covariance_of_intrinsics(known.covariance, rig.problem.cameras[0].name, camera.model), right_rays(rig));
   // Fewer than three views are refused whatever they tell: nothing would be left to hold an answer against.
   int views = 0;
   for (std::size_t v = 0; v < rig.problem.views.size(); ++v) views += may_have_pose(rig, v);
@@ -162,10 +183,12 @@ Judgement judge_start(const RandomRig& rig, const TruthStart& truth) {
     judgement.seconds = seconds(CLOCK_PROCESS_CPUTIME_ID) - begin;
     const BundleState answer = state_of(result);
     const double cost = cost_of(rig.problem, answer);
-    const double from_truth = truth_cost_of(rig, answer);
+    const Optimum truths = truth_with_corners_of(rig, answer);
+    const double from_truth = truths.summary.final_cost;
     const double kept = right_kept(rig, answer);
     judgement.error_sigmas = projection_error_px(rig, answer.cameras[0]) / truth.projection_sigma_px;
-    const bool reached = cost <= from_truth * (1.0 + kSameCost) + 1e-9 && kept >= kFewestRightKept;
+    const bool proper = !ends_among_corners(rig.problem, answer, 0) || ends_among_corners(rig.problem, truths.state, 0);
+    const bool reached = cost <= from_truth * (1.0 + kSameCost) + 1e-9 && kept >= kFewestRightKept && proper;
     if (!reached) judgement.verdict = truth.determined ? Verdict::kElsewhere : Verdict::kUndeterminedAnswer;
     judgement.why =
         text("cost %.8g, from the truth %.8g, %.1f %% of the right corners used, off the truth by %.1f sigma%s", cost,

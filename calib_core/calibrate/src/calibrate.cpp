@@ -64,6 +64,18 @@ void warn_of_folds(const CalibrationProblem& problem, const BundleState& state, 
   }
 }
 
+// Holds coefficients at zero with which a camera's lens would end among its corners.
+void give_up(const std::vector<ParameterRule>& coefficients, CalibrationProblem& problem, CalibrationResult& result) {
+  if (coefficients.empty()) return;
+  std::string names;
+  for (const ParameterRule& rule : coefficients) names += (names.empty() ? "" : ", ") + rule.pattern;
+  problem.rules.insert(problem.rules.end(), coefficients.begin(), coefficients.end());
+  result.warnings.push_back(
+      "held at zero: " + names +
+      "; otherwise the lens that fits best has a pole among the corners or turns back there; choose a model with fewer "
+      "parameters, or add views that fill the image");
+}
+
 void name_views_set_aside(const BundleState& state, const std::vector<std::string>& reasons,
                           CalibrationResult& result) {
   for (std::size_t v = 0; v < state.pose_of_view.size(); ++v) {
@@ -111,6 +123,7 @@ CalibrationResult calibrate_in_order(const CalibrationProblem& problem, const Ca
   }
   if (cameras.empty()) throw Error(ErrorKind::kNotEnoughData, alone.why_not.front());
   Subproblem sub = select_cameras(problem, cameras);
+  for (const int c : cameras) give_up(alone.given_up[c], sub.problem, result);
   std::vector<std::optional<Rigid3>> camera_from_target, mirrored;
   std::vector<std::vector<ObservationFate>> fates;
   std::vector<std::string> reasons;

@@ -4,6 +4,7 @@
 
 #include "lens_certainty.hpp"
 #include "local_optima.hpp"
+#include "raybundle/calibrate/lens_domain.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/initialize/camera_start.hpp"
 #include "robust_solve.hpp"
@@ -18,9 +19,29 @@ CameraStart start_of(const CalibrationProblem& single, std::vector<StageTime>& s
   return initialize_camera(single, 0);
 }
 
+// Replaces a lens that ends among its corners. Tells the coefficients that had to be given up, and adds them to the
+// problem's rules.
+std::vector<ParameterRule> keep_lens_beyond_corners(CalibrationProblem& single, BundleState& state,
+                                                    const CalibrateOptions& options, std::vector<std::string>& reasons,
+                                                    CameraOptimum& optimum) {
+  const auto solve = [&](const CalibrationProblem& simpler, BundleState& of_simpler) {
+    solve_robustly(simpler, of_simpler, options);
+    return solve_without_outliers(simpler, of_simpler, options, false, reasons);
+  };
+  CalibrationProblem simpler = single;
+  if (!give_up_coefficients(simpler, state, optimum.summary, solve)) return {};
+  std::vector<ParameterRule> given_up(simpler.rules.begin() + static_cast<std::ptrdiff_t>(single.rules.size()),
+                                      simpler.rules.end());
+  // With all coefficients there may be such a lens farther away, and a better one.
+  if (!given_up.empty() && move_to_lower_alike(single, state, options, optimum.summary)) given_up.clear();
+  if (!given_up.empty()) single = std::move(simpler);
+  optimum = leave_local_optima(single, state, options, reasons, optimum.summary);
+  return given_up;
+}
+
 void solve_camera_alone(const CalibrationProblem& problem, int camera, const CalibrateOptions& options,
                         std::vector<StageTime>& stages, CamerasAlone& alone) {
-  const Subproblem single = select_cameras(problem, {camera});
+  Subproblem single = select_cameras(problem, {camera});
   const CameraStart start = start_of(single.problem, stages);
   const Stopwatch stopwatch(stages, "solve");
   BundleState state = state_from_start(single.problem, start);
@@ -28,7 +49,8 @@ void solve_camera_alone(const CalibrationProblem& problem, int camera, const Cal
   solve_robustly(single.problem, state, options);
   if (give_second_chance(single.problem, state, options, reasons)) solve_robustly(single.problem, state, options);
   const BundleSummary solved = solve_without_outliers(single.problem, state, options, false, reasons);
-  const CameraOptimum optimum = leave_local_optima(single.problem, state, options, reasons, solved);
+  CameraOptimum optimum = leave_local_optima(single.problem, state, options, reasons, solved);
+  alone.given_up[camera] = keep_lens_beyond_corners(single.problem, state, options, reasons, optimum);
   alone.summaries[camera] = optimum.summary;
   if (problem.cameras.size() == 1) refuse_open_lens(single.problem, state, optimum.projection_sigma_px);
   alone.cameras[camera] = state.cameras[0];
@@ -51,6 +73,7 @@ CamerasAlone solve_cameras_alone(const CalibrationProblem& problem, const Calibr
   alone.cameras.resize(problem.cameras.size());
   alone.summaries.resize(problem.cameras.size());
   alone.why_not.resize(problem.cameras.size());
+  alone.given_up.resize(problem.cameras.size());
   alone.camera_from_target.resize(problem.views.size());
   alone.mirrored.resize(problem.views.size());
   alone.fates.resize(problem.views.size());

@@ -14,9 +14,10 @@ namespace raybundle {
 /// What each camera tells by itself, without a word of the others. Vectors are aligned with the problem's cameras and
 /// views.
 struct CamerasAlone {
-  std::vector<std::optional<Camera>> cameras;  ///< empty where the views do not determine one
-  std::vector<std::string> why_not;            ///< for those
-  std::vector<BundleSummary> summaries;        ///< of the last solve of each camera
+  std::vector<std::optional<Camera>> cameras;        ///< empty where the views do not determine one
+  std::vector<std::string> why_not;                  ///< for those
+  std::vector<BundleSummary> summaries;              ///< of the last solve of each camera
+  std::vector<std::vector<ParameterRule>> given_up;  ///< of each camera: coefficients that are held at zero
   std::vector<std::optional<Rigid3>> camera_from_target;
   std::vector<std::optional<Rigid3>> mirrored;  ///< camera_from_target that fits nearly as well, in a rig
   std::vector<std::vector<ObservationFate>> fates;

@@ -8,6 +8,7 @@
 
 #include "lens_certainty.hpp"
 #include "lower_optima.hpp"
+#include "raybundle/calibrate/lens_domain.hpp"
 #include "raybundle/initialize/other_optima.hpp"
 #include "robust_solve.hpp"
 
@@ -123,6 +124,7 @@ bool try_mirrored_boards(const CalibrationProblem& single, BundleState& state, s
     const BundleSummary of_other = solve_bundle(single, other, bundle);
     if (of_other.termination == Termination::kFailed) continue;
     if (!(of_other.final_cost < (1.0 - kMirroredGain) * summary.final_cost)) continue;
+    if (spoils_lens(single, state, other)) continue;
     state = std::move(other);
     summary = of_other;
     turned = true;
@@ -168,6 +170,7 @@ bool readmit_corners(const CalibrationProblem& single, BundleState& state, const
   std::vector<std::string> other_reasons = reasons;
   const BundleSummary of_other = solve_without_outliers(single, other, options, false, other_reasons);
   if (of_other.termination == Termination::kFailed || count_used(other) <= count_used(state)) return false;
+  if (spoils_lens(single, state, other)) return false;
   state = std::move(other);
   reasons = std::move(other_reasons);
   summary = of_other;
@@ -201,6 +204,7 @@ void win_back_unprojectable(const CalibrationProblem& single, BundleState& state
   const BundleSummary of_other = solve_without_outliers(single, other, options, false, other_reasons);
   if (of_other.termination == Termination::kFailed || count_used(other) <= count_used(state)) return;
   if (!(robust_sigmas(single, other)[0] <= kSameNoise * robust_sigmas(single, state)[0])) return;
+  if (spoils_lens(single, state, other)) return;
   state = std::move(other);
   reasons = std::move(other_reasons);
   summary = of_other;
@@ -217,6 +221,12 @@ std::vector<Eigen::Vector3d> rays_seen(const CalibrationProblem& single, const B
   std::vector<Eigen::Vector3d> some;
   for (std::size_t i = 0; i < rays.size(); i += stride) some.push_back(rays[i]);
   return some;
+}
+
+bool move_to_lower_alike(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
+                         BundleSummary& summary) {
+  const double sigma_px = projection_sigma_px(single, state, options.threads);
+  return move_to_lower(single, state, cameras_alike(single, state, sigma_px), options, summary);
 }
 
 std::vector<std::optional<Rigid3>> mirrored_boards(const CalibrationProblem& single, const BundleState& state) {

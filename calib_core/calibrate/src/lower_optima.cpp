@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "raybundle/calibrate/lens_domain.hpp"
+
 namespace raybundle {
 namespace {
 
@@ -66,7 +68,7 @@ std::vector<OtherSolve> lower_optima(const CalibrationProblem& single, const Bun
   }
   std::erase_if(solves, [&](const OtherSolve& other) {
     return other.summary.termination == Termination::kFailed || far_out(other.state.cameras[0]) ||
-           !(other.summary.final_cost < (1.0 - kLower) * cost);
+           !(other.summary.final_cost < (1.0 - kLower) * cost) || spoils_lens(single, state, other.state);
   });
   std::ranges::stable_sort(solves, {}, by_cost);
   return solves;

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kGoodFitPx = 0.3;     ///< the polish on corners does the rest
 constexpr std::size_t kSamples = 150;  ///< rays that a fit is made on
+constexpr double kHeldWeight = 1e9;    ///< of a prior that holds a parameter where it is
 
 /// The shapes that a fit is started from.
 std::vector<LensVector> starting_shapes(ModelId model) {
@@ -72,31 +73,38 @@ LensBundleOptions model_options(ModelId model, const LensVector& mean, double sc
 namespace {
 
 LensVector fit_from(ModelId model, const LensFunctions& lens, const PointsInView& samples,
-                    const LensVector& guess_fx_fy_cx_cy, const LensVector& shape) {
+                    const LensVector& guess_fx_fy_cx_cy, const LensVector& shape, const std::vector<int>& zeros = {}) {
   LensVector parameters(lens.parameters);
   parameters.head<4>() = guess_fx_fy_cx_cy.head<4>();
   parameters.tail(shape.size()) = shape;
+  for (const int zero : zeros) parameters[zero] = 0.0;
   fit_focal_lengths(lens, samples, parameters);
   std::vector<Rigid3> here(1);
   double scale_px = 100.0;
   for (; scale_px > 1.0; scale_px *= 0.3) {
     LensBundleOptions options = model_options(model, parameters, scale_px);
+    for (const int zero : zeros) {
+      options.prior_mean[zero] = 0.0;
+      options.prior_weight[zero] = kHeldWeight;
+    }
     options.max_iterations = 15;
     options.poses_fixed = true;
     refine_lens(lens, {samples}, options, parameters, here);
   }
+  for (const int zero : zeros) parameters[zero] = 0.0;
   return parameters;
 }
 
 }  // namespace
 
-LensVector fit_model(ModelId model, const PointsInView& field, const LensVector& guess_fx_fy_cx_cy) {
+LensVector fit_model(ModelId model, const PointsInView& field, const LensVector& guess_fx_fy_cx_cy,
+                     const std::vector<int>& zeros) {
   const LensFunctions lens = lens_functions(model);
   const PointsInView samples = thinned(field, kSamples);
   LensVector best;
   double best_cost = std::numeric_limits<double>::infinity();
   for (const LensVector& shape : starting_shapes(model)) {
-    const LensVector parameters = fit_from(model, lens, samples, guess_fx_fy_cx_cy, shape);
+    const LensVector parameters = fit_from(model, lens, samples, guess_fx_fy_cx_cy, shape, zeros);
     const double cost = share_of_fit(lens, samples, parameters, 20.0);
     if (cost < best_cost) {
       best_cost = cost;

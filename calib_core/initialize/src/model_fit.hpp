@@ -11,7 +11,9 @@ namespace raybundle {
 /// fit.
 ///
 /// @param field  rays in the camera (as points) and their pixels
-LensVector fit_model(ModelId model, const PointsInView& field, const LensVector& guess_fx_fy_cx_cy);
+/// @param zeros  indices of parameters that are held at zero
+LensVector fit_model(ModelId model, const PointsInView& field, const LensVector& guess_fx_fy_cx_cy,
+                     const std::vector<int>& zeros = {});
 
 /// The same from each of the model's start and example shapes: all the ways in which it can describe the lens.
 std::vector<LensVector> model_fits(ModelId model, const PointsInView& samples, const LensVector& guess_fx_fy_cx_cy);

@@ -81,8 +81,8 @@ std::vector<Camera> twin_cameras(const Camera& camera, const std::vector<Eigen::
 }
 
 Camera fitted_anew(const Camera& camera, const std::vector<Eigen::Vector3d>& rays_in_camera,
-                   const std::vector<Eigen::Vector2d>& pixels) {
-  return {camera.model, camera.size, fit_model(camera.model, {rays_in_camera, pixels}, camera.parameters)};
+                   const std::vector<Eigen::Vector2d>& pixels, const std::vector<int>& zeros) {
+  return {camera.model, camera.size, fit_model(camera.model, {rays_in_camera, pixels}, camera.parameters, zeros)};
 }
 
 std::optional<MirroredPose> find_mirrored_pose(const Camera& camera, std::span<const Eigen::Vector3d> points_in_target,

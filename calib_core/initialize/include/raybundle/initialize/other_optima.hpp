@@ -25,8 +25,9 @@ std::vector<Camera> twin_cameras(const Camera& camera, const std::vector<Eigen::
 /// that has lost rays, beyond a pole of its profile say, cannot be moved to where it projects them.
 ///
 /// @param pixels  aligned with rays_in_camera
+/// @param zeros   indices of parameters that are held at zero
 Camera fitted_anew(const Camera& camera, const std::vector<Eigen::Vector3d>& rays_in_camera,
-                   const std::vector<Eigen::Vector2d>& pixels);
+                   const std::vector<Eigen::Vector2d>& pixels, const std::vector<int>& zeros = {});
 
 /// Cameras of the same model along the one direction of the parameters that the projections tell least of, as far as
 /// they put rays nearly where this one puts them. A valley may have several optima: common factors of a rational lens,
