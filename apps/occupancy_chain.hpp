@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "occupancy_scenes.hpp"
+#include "raybundle/cockpit/cabin_renderer.hpp"
 
 namespace raybundle::apps {
 

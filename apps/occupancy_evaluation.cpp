@@ -8,7 +8,6 @@
 
 #include "each_index.hpp"
 #include "occupancy_chain.hpp"
-#include "raybundle/occupancy/seat_fit.hpp"
 
 namespace raybundle::apps {
 namespace {
@@ -30,28 +29,6 @@ struct Trial {
 
 bool on_seat(CabinPart part) {
   return part != CabinPart::kCar && part != CabinPart::kDashboard && part != CabinPart::kSeat;
-}
-
-struct SeatTrial {
-  bool found = false, right = false, within_sigmas = false;
-};
-
-// An empty seat over the frames of a trial.
-SeatTrial seat_trial(const EvaluationOptions& options, std::uint64_t seed) {
-  const SceneSource source({options.kind, {options.generator, seed, CabinClass::kEmpty, 0.0}, options.grid});
-  SeatWatch watch;
-  SeatSetting truth;
-  for (int frame = 0; frame < options.frames; ++frame) {
-    const MeasuredScene scene = source.at(frame * options.frame_s);
-    watch.add(fit_seat(scene.layout, scene.scan()));
-    truth = scene.truth.seat;
-  }
-  const SeatFit seat = watch.seat();
-  const Eigen::Vector2d off = seat.pose.bight - Eigen::Vector2d(truth.bight.x(), truth.bight.z());
-  const double turned = std::abs(seat.pose.recline_rad - truth.recline_rad);
-  return {.found = seat.found,
-          .right = seat.found && off.norm() < 0.01 && turned < 2 * M_PI / 180,
-          .within_sigmas = std::abs(off.x()) < 2 * seat.bight_sigma_m.x()};
 }
 
 NearestDots nearest_dots(const MeasuredScene& scene, const ZoneCount& told, const ZoneOptions& zones) {
@@ -140,22 +117,6 @@ MonitorOptions monitor_options_of(SensorKind kind) {
     options.zones.margin_m = 0.03;
   }
   return options;
-}
-
-SeatEvaluation evaluate_seats(const EvaluationOptions& options) {
-  std::vector<SeatTrial> trials(static_cast<std::size_t>(options.scenes));
-  for_each_index(trials.size(), options.threads, [&](std::size_t i) {
-    trials[i] = seat_trial(options, options.seed + i);
-    if (options.scene_done) options.scene_done();
-  });
-  SeatEvaluation sum;
-  for (const SeatTrial& trial : trials) {
-    count(trial.found, sum.found);
-    if (!trial.found) continue;
-    count(trial.right, sum.right);
-    count(trial.within_sigmas, sum.within_two_sigmas);
-  }
-  return sum;
 }
 
 Evaluation evaluate(const CaseBase& base, const EvaluationOptions& options) {

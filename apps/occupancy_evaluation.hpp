@@ -58,16 +58,6 @@ struct Evaluation {
 
 Evaluation evaluate(const CaseBase& base, const EvaluationOptions& options);
 
-/// How the fit of the seat did on empty seats.
-struct SeatEvaluation {
-  Share found;
-  Share right;              ///< of the seats found, those within 1 cm and 2 degrees
-  Share within_two_sigmas;  ///< of the seats found, those whose bight is so along x
-};
-
-/// Empty seats of the generator, each over all frames of the options; the monitor's options do not matter.
-SeatEvaluation evaluate_seats(const EvaluationOptions& options);
-
 /// Tables for people.
 std::string text_from_evaluation(const std::string& title, const Evaluation& evaluation);
 

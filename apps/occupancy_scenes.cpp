@@ -2,46 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "occupancy_scenes.hpp"
 
+#include <cassert>
 #include <cmath>
 
-#include "raybundle/cockpit/cabin_renderer.hpp"
 #include "raybundle/cockpit/dots.hpp"
 
 namespace raybundle::apps {
-namespace {
-
-std::uint64_t frame_of(double time_s) { return static_cast<std::uint64_t>(std::lround(1e3 * time_s)); }
-
-void add(const CabinPoint& point, MeasuredScene& measured) {
-  measured.points.push_back({point.ray, point.x_in_vehicle, std::sqrt(point.covariance_m2.trace())});
-  measured.parts.push_back(point.part);
-}
-
-void measure_dots(const CabinSensor& sensor, const CabinScene& scene, const CabinDotOptions& options,
-                  MeasuredScene& measured) {
-  const std::vector<CabinDot> dots = dots_of(scene, sensor, options);
-  measured.viewpoint_in_vehicle = sensor.known_vehicle_from_rig * sensor.rig.emitter->rig_from_emitter.translation;
-  measured.rays = sensor.rig.emitter->grid.size();
-  std::vector<Eigen::Vector3d> truth(static_cast<std::size_t>(measured.rays), Eigen::Vector3d::Zero());
-  for (const CabinDot& dot : dots) {
-    if (dot.dot.beam != kUnlabelled) truth[dot.dot.beam] = dot.x_in_vehicle;
-  }
-  for (const CabinPoint& point : points_of(dots, sensor)) {
-    add(point, measured);
-    measured.true_points.push_back(truth[point.ray]);
-  }
-}
-
-void measure_stereo(const CabinRenderer& renderer, const CabinScene& scene, const CabinMatchOptions& options,
-                    MeasuredScene& measured) {
-  const ImageSize size = renderer.sensor().rig.cameras.front().camera.size;
-  measured.viewpoint_in_vehicle = renderer.sensor().known_vehicle_from_rig.translation;
-  measured.rays = size.width * size.height;
-  for (const CabinPoint& point : renderer.matched_points(scene, options)) add(point, measured);
-}
-
-}  // namespace
-
 CabinSensor sensor_of(const SceneRequest& request) {
   const CockpitRequest& cockpit = request.cockpit;
   return request.kind == SensorKind::kStructuredLight
@@ -64,7 +30,7 @@ VehicleLayout vehicle_layout(const CabinLayout& layout) {
 }
 
 SceneSource::SceneSource(const SceneRequest& request) : request_(request), sensor_(sensor_of(request)) {
-  if (request.kind == SensorKind::kStereo) renderer_.emplace(sensor_);
+  assert(request.kind == SensorKind::kStructuredLight);
 }
 
 MeasuredScene SceneSource::at(double time_s) const {
@@ -77,9 +43,19 @@ MeasuredScene SceneSource::measured(const CabinScene& scene, double time_s) cons
   MeasuredScene measured;
   measured.layout = vehicle_layout(scene.cockpit().layout);
   measured.truth = scene.cockpit().truth;
-  const std::uint64_t seed = request_.cockpit.seed, frame = frame_of(time_s);
-  renderer_ ? measure_stereo(*renderer_, scene, {.seed = seed, .stream = frame}, measured)
-            : measure_dots(sensor_, scene, {.seed = seed, .stream = frame}, measured);
+  measured.viewpoint_in_vehicle = sensor_.known_vehicle_from_rig * sensor_.rig.emitter->rig_from_emitter.translation;
+  measured.rays = sensor_.rig.emitter->grid.size();
+  const auto frame = static_cast<std::uint64_t>(std::lround(1e3 * time_s));
+  const std::vector<CabinDot> dots = dots_of(scene, sensor_, {.seed = request_.cockpit.seed, .stream = frame});
+  std::vector<Eigen::Vector3d> truth(static_cast<std::size_t>(measured.rays), Eigen::Vector3d::Zero());
+  for (const CabinDot& dot : dots) {
+    if (dot.dot.beam != kUnlabelled) truth[dot.dot.beam] = dot.x_in_vehicle;
+  }
+  for (const CabinPoint& point : points_of(dots, sensor_)) {
+    measured.points.push_back({point.ray, point.x_in_vehicle, std::sqrt(point.covariance_m2.trace())});
+    measured.parts.push_back(point.part);
+    measured.true_points.push_back(truth[point.ray]);
+  }
   return measured;
 }
 

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "raybundle/cockpit/cabin_renderer.hpp"
 #include "raybundle/cockpit/cabin_scene.hpp"
 #include "raybundle/cockpit/sensor.hpp"
 #include "raybundle/occupancy/scan.hpp"
@@ -41,14 +40,13 @@ struct SceneRequest {
 /// The sensor that a request names.
 CabinSensor sensor_of(const SceneRequest& request);
 
-/// What the sensor measures: dots with the noise of their light and right labels, or pixels with the errors of a
-/// matcher, without its being run.
+/// What a laser measures, without images: dots with the noise of their light and right labels.
 MeasuredScene measured_scene(const SceneRequest& request);
 
 /// The same scene at one time after the other: what depends on the sensor alone is computed once.
 class SceneSource {
  public:
-  /// @param request  its time does not matter
+  /// @param request  of a laser; its time does not matter
   explicit SceneSource(const SceneRequest& request);
   MeasuredScene at(double time_s) const;
 
@@ -58,7 +56,6 @@ class SceneSource {
  private:
   SceneRequest request_;
   CabinSensor sensor_;
-  std::optional<CabinRenderer> renderer_;  ///< for stereo
 };
 
 /// What whoever installs the sensor knows of the simulated car.

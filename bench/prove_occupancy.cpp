@@ -3,9 +3,9 @@
 
 // Occupancy in simulated cabins: learns on the training generator and judges other scenes of it (same vehicle) and of
 // the test generator (held-out vehicle), for the laser and for stereo, each figure against its bar; what has no bar is
-// marked as information. Stereo is the whole chain: rendered pairs, the runtime, the decision; only its seats are
-// fitted to imitated matches. The laser's dots are those that a runtime would make of its images; `chain` renders
-// those, too, for fewer scenes, beside the same scenes without.
+// marked as information. Stereo is the whole chain: rendered pairs, the runtime, the decision. The laser's
+// dots are those that a runtime would make of its images; `chain` renders those, too, for fewer scenes, beside the same
+// scenes without.
 //
 // usage: prove_occupancy [scenes of each split, default 3000] [scenes to learn, default 0: those of each sensor]
 //                        [laser | stereo | chain]
@@ -30,7 +30,6 @@ using namespace raybundle::bench;
 
 constexpr double kMostDangerous = 0.001;
 constexpr double kDistance_m = 0.020;
-constexpr double kLeastSeats = 0.95;
 constexpr std::uint64_t kUnlearntSeed = 1000000000;
 constexpr int kThreads = 2;
 constexpr int kScenesPerChain = 15;  // of so many scenes one goes through the whole chain
@@ -121,24 +120,6 @@ bool prove_chain(const CaseBase& base, const Split& split, int scenes) {
   return good;
 }
 
-// Empty seats, averaged over frames.
-bool prove_seats(const Split& split, int scenes) {
-  constexpr int kFrames = 16;
-  const SeatEvaluation e = evaluate_seats({.kind = SensorKind::kStereo,
-                                           .generator = split.generator,
-                                           .seed = kUnlearntSeed,
-                                           .scenes = scenes,
-                                           .frames = kFrames,
-                                           .monitor = {},
-                                           .threads = kThreads,
-                                           .scene_done = progress("seats", scenes)});
-  std::printf("stereo 128x128, %s: %d empty seats, %d frames each\n", split.name, scenes, kFrames);
-  bool good = at_least(kLeastSeats, "seats found", e.found.value(), kPercent);
-  good &= at_least(kLeastSeats, "of them within 1 cm and 2 degrees", e.right.value(), kPercent);
-  std::printf("  information: bight within two of its sigmas: %.1f %%\n", 100 * e.within_two_sigmas.value());
-  return good;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -164,7 +145,6 @@ int main(int argc, char** argv) {
         learning.scenes, base.sure_of_group, base.sure_of_situation);
     for (const Split& split : kSplits) {
       if (only != "chain") good &= prove(kind, base, split, scenes);
-      if (only != "chain" && !is_laser(kind)) good &= prove_seats(split, std::max(1, scenes / 20));
       if (is_laser(kind) && (only.empty() || only == "chain")) {
         good &= prove_chain(base, split, std::max(1, scenes / kScenesPerChain));
       }

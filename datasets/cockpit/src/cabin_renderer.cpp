@@ -9,7 +9,6 @@
 
 #include "cabin_lighting.hpp"
 #include "cabin_view.hpp"
-#include "pattern.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/synthetic/random.hpp"
 #include "raybundle/synthetic/sensor.hpp"
@@ -37,14 +36,6 @@ struct CabinRenderer::Tables {
 };
 
 namespace {
-
-// A match needs so much texture over noise: below, its probability falls to zero.
-constexpr double kTextureOverNoise = 2.0;
-constexpr double kEdge_m = 0.05;       // neighbours that differ by more lie on two surfaces
-constexpr double kSwallowed = 0.25;    // share of pixels beside an edge that get the nearer surface's depth
-constexpr double kLost = 0.4;          // and that have no match
-constexpr double kMostSigma_m = 0.15;  // along the ray: such points are of no use
-constexpr double kNearest_m = 0.2, kFarthest_m = 2.0;  // of wrong matches
 
 // The scene's light in the cells of a row of pixels and a margin.
 void shine_row(const CabinScene& scene, const CabinView& view, const CabinLighting& lighting, int y, int samples,
@@ -76,31 +67,6 @@ bool within_field(const CabinView& view, int x, int y) {
   return std::atan2(ray.head<2>().norm(), ray.z()) <= view.camera.used_half_angle_rad;
 }
 
-bool sees(const CabinView& view, const CabinScene& scene, const Eigen::Vector3d& x_in_vehicle) {
-  const Eigen::Vector3d ray = view.vehicle_from_camera.inverse() * x_in_vehicle;
-  if (std::atan2(ray.head<2>().norm(), ray.z()) > view.camera.used_half_angle_rad) return false;
-  const auto pixel = pixel_from_ray(view.camera.camera, ray);
-  const ImageSize size = view.camera.camera.size;
-  return pixel && pixel->x() > 0 && pixel->y() > 0 && pixel->x() < size.width - 1 && pixel->y() < size.height - 1 &&
-         !scene.blocked(x_in_vehicle, view.eye());
-}
-
-// Distance of the nearest surface in the window when it is another one than the pixel's.
-std::optional<double> swallowing(const CabinDepth& depth, int x, int y, int half_px) {
-  const CabinHit& here = depth.hits[static_cast<std::size_t>(y) * depth.size.width + x];
-  double nearest = here.distance_m - kEdge_m;
-  bool found = false;
-  for (int v = std::max(0, y - half_px); v <= std::min(depth.size.height - 1, y + half_px); ++v) {
-    for (int u = std::max(0, x - half_px); u <= std::min(depth.size.width - 1, x + half_px); ++u) {
-      const CabinHit& hit = depth.hits[static_cast<std::size_t>(v) * depth.size.width + u];
-      if (hit.mesh < 0 || hit.distance_m >= nearest) continue;
-      nearest = hit.distance_m;
-      found = true;
-    }
-  }
-  return found ? std::optional(nearest) : std::nullopt;
-}
-
 // The sensor with the exposure at which 1 % of the pixels are above 2/3 of the range.
 //
 // light  on the sensor [W/m² on a white surface]
@@ -113,16 +79,6 @@ SimulatedSensor exposed(const CabinSensor& sensor, int camera, std::vector<float
   const double wanted = 0.67 * exposed.white_W_m2 / std::max(1e-6, static_cast<double>(*bright));
   exposed.exposure = std::clamp(wanted, exposed.exposure / kMostChange, exposed.exposure * kMostChange);
   return exposed;
-}
-
-// Probability that the texture of a surface is matched.
-//
-// light  on the sensor [W/m² on a white surface]
-double match_chance(const SimulatedSensor& sensor, const CabinMaterial& material, double light) {
-  const double electrons = sensor.full_well_e * sensor.exposure * light / sensor.white_W_m2;
-  if (electrons >= sensor.full_well_e) return 0;
-  const double noise = std::sqrt(electrons + sensor.read_noise_e * sensor.read_noise_e);
-  return std::min(1.0, material.contrast * electrons / noise / kTextureOverNoise);
 }
 
 }  // namespace
@@ -183,51 +139,6 @@ CabinDepth CabinRenderer::depth(const CabinScene& scene, int camera) const {
   depth.hits.resize(directions.size());
   scene.first_hits(view.eye(), directions, depth.hits);
   return depth;
-}
-
-std::vector<CabinPoint> CabinRenderer::matched_points(const CabinScene& scene, const CabinMatchOptions& options) const {
-  const CabinSensor& sensor = tables_->sensor;
-  const CabinView left = tables_->view(0), right = tables_->view(1);
-  const CabinLighting lighting(scene, sensor);
-  const CabinDepth truth = depth(scene, 0);
-  std::vector<float> light(truth.hits.size());
-  lighting.shine(left.eye(), truth.hits, light);
-  for (std::size_t i = 0; i < light.size(); ++i) light[i] *= left.rays.vignetting()[i];
-  const SimulatedSensor reading = exposed(sensor, 0, light);
-  const Rigid3 known_from_vehicle = sensor.known_vehicle_from_rig * sensor.vehicle_from_rig.inverse();
-  const Eigen::Vector3d baseline = right.eye() - left.eye();
-  Random random(options.seed, mixed_bits(options.stream) ^ 401);
-  const auto noise_seed = static_cast<std::uint32_t>(random.below(1 << 30));
-  std::vector<CabinPoint> points;
-  for (int i = 0; i < static_cast<int>(truth.hits.size()); ++i) {
-    const CabinHit& hit = truth.hits[i];
-    if (hit.mesh < 0) continue;
-    // Drawn for every pixel, so that one that is lost does not change the others.
-    const double matched = random.uniform(), edge = random.uniform(), wrong = random.uniform(), alone = random.normal(),
-                 anywhere = random.uniform();
-    const int x = i % truth.size.width, y = i / truth.size.width;
-    double distance = hit.distance_m;
-    if (matched > match_chance(reading, scene.cockpit().meshes[hit.mesh].material, light[i])) continue;
-    if (const auto nearer = edge < kSwallowed + kLost ? swallowing(truth, x, y, options.window_px / 2) : std::nullopt) {
-      if (edge >= kSwallowed) continue;
-      distance = *nearer;
-    } else if (!sees(right, scene, hit.x_in_vehicle)) {
-      continue;
-    }
-    const Eigen::Vector3d ray = (hit.x_in_vehicle - left.eye()) / hit.distance_m;
-    const double across = (baseline - baseline.dot(ray) * ray).norm();
-    const double per_px = distance * distance / (across * left.camera.camera.fx());
-    const double sigma = options.disparity_sigma_px * per_px;
-    if (sigma > kMostSigma_m) continue;
-    const double alike = pattern_at({static_cast<float>(x), static_cast<float>(y), 0.0F}, 2.0, noise_seed);
-    distance += sigma * (0.8 * alike + 0.6 * alone);
-    if (wrong < options.wrong) distance = 1 / (1 / kFarthest_m + anywhere * (1 / kNearest_m - 1 / kFarthest_m));
-    const double sideways = 0.3 * distance / left.camera.camera.fx();
-    points.push_back({i, known_from_vehicle * (left.eye() + distance * ray),
-                      sigma * sigma * ray * ray.transpose() + sideways * sideways * Eigen::Matrix3d::Identity(),
-                      scene.cockpit().meshes[hit.mesh].part});
-  }
-  return points;
 }
 
 std::optional<Eigen::Vector3d> visible_head_centroid(const CabinDepth& depth, const Cockpit& cockpit,

@@ -10,7 +10,7 @@ namespace raybundle {
 namespace {
 
 // Where the bight lies from the H-point, and how long the flat parts are that every seat has.
-constexpr double kBightBehind_m = 0.14, kBightBelow_m = 0.11, kSlack_m = 0.04,
+constexpr double kBightBehind_m = 0.12, kBightBelow_m = 0.11, kSlack_m = 0.06,
                  kLiftSlack_m = 0.02;  // less: what lies flat on the cushion lifts its line
 constexpr double kLeastPitch_rad = 0.05, kMostPitch_rad = 0.40, kSlack_rad = 0.05;
 constexpr double kMoved_m = 0.06, kMoved_rad = 0.12;  // no two fits of one seat are so far apart
@@ -169,16 +169,18 @@ void SeatWatch::add(const SeatFit& fit) {
   const Eigen::Vector4d off = value - mean_;
   mean_ += off / frames_;
   squares_ += off.cwiseProduct(value - mean_);  // Welford 1962
+  const Eigen::Vector3d sigma(fit.bight_sigma_m.x(), fit.bight_sigma_m.y(), fit.recline_sigma_rad);
+  variance_ += (sigma.cwiseAbs2() - variance_) / frames_;
 }
 
 SeatFit SeatWatch::seat() const {
   SeatFit seat = last_;
   if (frames_ == 0) return seat;
   seat.pose = {mean_.head<2>(), mean_[2], mean_[3]};
-  if (frames_ < 3) return seat;
-  const Eigen::Vector4d sigma = (squares_ / (frames_ - 1.0) / frames_).cwiseSqrt();
-  seat.bight_sigma_m = sigma.head<2>();
-  seat.recline_sigma_rad = sigma[2];
+  Eigen::Vector3d variance = variance_;
+  if (frames_ >= 3) variance += squares_.head<3>() / (frames_ - 1.0) / frames_;
+  seat.bight_sigma_m = variance.head<2>().cwiseSqrt();
+  seat.recline_sigma_rad = std::sqrt(variance[2]);
   return seat;
 }
 

@@ -106,22 +106,6 @@ TEST(Dots, HaveTheLightThatTheirImageHas) {
   EXPECT_LT(offsets_px[offsets_px.size() / 2], 0.12);  // patterns of the surface within a spot
 }
 
-TEST(Stereo, MatchedPointsLieOnSurfacesAndAreMany) {
-  for (const CockpitGenerator generator : kBoth) {
-    const CabinRenderer renderer(stereo_sensor(generator, 5));
-    const CabinScene scene = passenger(generator);
-    const CabinDepth depth = renderer.depth(scene, 0);
-    const std::vector<CabinPoint> points = renderer.matched_points(scene);
-    EXPECT_GT(points.size(), 3000u);
-    int far_off = 0;
-    for (const CabinPoint& point : points) {
-      const Eigen::Vector3d& truth = depth.hits[static_cast<std::size_t>(point.ray)].x_in_vehicle;
-      far_off += (point.x_in_vehicle - truth).norm() > 0.01 + 5 * std::sqrt(point.covariance_m2.trace());
-    }
-    EXPECT_LT(far_off, 0.08 * static_cast<double>(points.size()));  // wrong matches and swollen edges
-  }
-}
-
 TEST(Stereo, PairsShowTheSameSceneWithTheSameBits) {
   const CabinRenderer renderer(stereo_sensor(CockpitGenerator::kTraining, 1, {96, 96}));
   const CabinScene scene = passenger(CockpitGenerator::kTraining);

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "raybundle/cockpit/cabin_scene.hpp"
-#include "raybundle/cockpit/dots.hpp"
 #include "raybundle/cockpit/sensor.hpp"
 #include "raybundle/synthetic/render.hpp"
 
@@ -27,15 +26,6 @@ struct CabinDepth {
   std::vector<CabinHit> hits;
 };
 
-/// How a stereo matcher errs.
-struct CabinMatchOptions {
-  std::uint64_t seed = 1;
-  std::uint64_t stream = 0;  ///< a frame
-  double disparity_sigma_px = 0.15;
-  double wrong = 0.01;  ///< share of matches that are anywhere
-  int window_px = 5;    ///< across edges of depth a window this wide sees two surfaces
-};
-
 /// Looks into cabins with the cameras of one sensor: what depends on the sensor only is computed once. Its functions
 /// may be called from several threads, and the same arguments give the same bits.
 class CabinRenderer {
@@ -49,11 +39,6 @@ class CabinRenderer {
 
   /// Truth at the centres of the pixels.
   CabinDepth depth(const CabinScene& scene, int camera) const;
-
-  /// Places that matching the first camera's pixels with the second's gives, without matching: pixels whose place the
-  /// other camera does not see, or whose texture drowns in noise, have none; disparities err as the options say, alike
-  /// for neighbours; beside edges of depth the nearer surface grows.
-  std::vector<CabinPoint> matched_points(const CabinScene& scene, const CabinMatchOptions& options = {}) const;
 
  private:
   struct Tables;

@@ -35,8 +35,9 @@ struct SeatFit {
 /// points before the seat, those of an occupant, none joins; a seat that is hidden is not found.
 SeatFit fit_seat(const VehicleLayout& layout, const Scan& scan, const SeatFitOptions& options = {});
 
-/// The seat over several frames. Depths of neighbouring pixels err alike, which the scatter in one frame does not
-/// show; from frame to frame they err anew. So frames are averaged, and their scatter says how sure the mean is.
+/// The seat over several frames, averaged: noise errs anew in each, and their scatter tells by how much. What the
+/// seat's covers and their texture do to the points of one frame, they do to those of all: that part of the sigma
+/// stays.
 ///
 /// While somebody or something hides the seat, it stays as it was when it was last seen: its sigma does not know of a
 /// seat that is moved with somebody on it, frames_since_seen() does.
@@ -46,7 +47,7 @@ class SeatWatch {
   /// before is forgotten.
   void add(const SeatFit& fit);
 
-  /// Mean of the frames; from the third one on, sigmas are those of the mean by the scatter between frames.
+  /// Mean of the frames; sigmas are those of one frame and, from the third on, of the mean by the scatter between them.
   SeatFit seat() const;
 
   int frames() const { return frames_; }
@@ -55,8 +56,9 @@ class SeatWatch {
  private:
   SeatFit last_;
   int frames_ = 0, since_seen_ = 0;
-  Eigen::Vector4d mean_ = Eigen::Vector4d::Zero();     ///< bight x and z, recline, pitch
-  Eigen::Vector4d squares_ = Eigen::Vector4d::Zero();  ///< of the deviations from it
+  Eigen::Vector4d mean_ = Eigen::Vector4d::Zero();      ///< bight x and z, recline, pitch
+  Eigen::Vector4d squares_ = Eigen::Vector4d::Zero();   ///< of the deviations from it
+  Eigen::Vector3d variance_ = Eigen::Vector3d::Zero();  ///< of one frame, by its points: bight x and z, recline
 };
 
 }  // namespace raybundle
