@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -131,11 +132,13 @@ class Reconstruction {
     flags_.json ? static_cast<void>(fmt::print("{}", files.json)) : print_row(name, frame);
     std::fflush(stdout);
     judge(name, frame, images);
+    names_.insert(name);
     ++taken_;
   }
 
   void finish() const {
     if (taken_ == 0) throw Error(ErrorKind::kNotEnoughData, "there was no pair of images to reconstruct from");
+    remove_former_frames(flags_.output, names_);
     const fs::path page = page_file();
     write_results(flags_.output, {{page, stereo_page(page_)}});
     if (!flags_.json) {
@@ -219,6 +222,7 @@ class Reconstruction {
   std::optional<LaserAnchors> anchors_;
   std::optional<ExposureAdvice> exposure_;
   nlohmann::json page_ = nlohmann::json::array();
+  std::set<std::string> names_;  // of the frames taken
   int taken_ = 0;
   int missed_ = 0;  // of the gate
   int exchanged_ = 0;

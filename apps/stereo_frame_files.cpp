@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -16,9 +17,12 @@
 #include "pose_json.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/quantile.hpp"
+#include "terminal.hpp"
 
 namespace raybundle::apps {
 namespace {
+
+namespace fs = std::filesystem;
 
 std::string png_from(const cv::Mat& image) {
   std::vector<unsigned char> bytes;
@@ -123,6 +127,23 @@ StereoFrameFiles stereo_frame_files(const StereoFrame& frame, const StereoMatche
           png_of_values(frame, [&](int u, int v) { return 1000.0 * depth_of(frame.points.at(u, v), projection); }),
           ply_from(frame, static_cast<int>(depths.size())),
           text_of_json(json, 1) + "\n"};
+}
+
+void remove_former_frames(const fs::path& folder, const std::set<std::string>& names) {
+  std::vector<std::string> former;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().stem().string();
+    if (entry.path().extension() != ".json" || !entry.is_regular_file() || names.contains(name)) continue;
+    std::ifstream file(entry.path());
+    const auto json = nlohmann::json::parse(file, nullptr, false);
+    if (json.is_object() && json.contains("format") && json["format"] == kStereoPoints.name) former.push_back(name);
+  }
+  for (const std::string& name : former) {
+    for (const char* ending : {".json", ".ply", "_left.png", "_right.png", "_disparity.png", "_depth.png"}) {
+      fs::remove(folder / (name + ending));
+    }
+  }
+  if (!former.empty()) say(fmt::format("removed {} frames of a former run from {}", former.size(), folder.string()));
 }
 
 }  // namespace raybundle::apps

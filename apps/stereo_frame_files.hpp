@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <set>
 #include <string>
 
 #include "raybundle/stereo/stereo.hpp"
@@ -22,5 +24,11 @@ struct StereoFrameFiles {
 /// @param left, right  the paths, for the record
 StereoFrameFiles stereo_frame_files(const StereoFrame& frame, const StereoMatcher& matcher, const std::string& left,
                                     const std::string& right, const nlohmann::ordered_json& more);
+
+/// Removes what a former run left in the folder of frames that this one has not: they would be taken for more of the
+/// sequence.
+///
+/// @param names  the frames of this run
+void remove_former_frames(const std::filesystem::path& folder, const std::set<std::string>& names);
 
 }  // namespace raybundle::apps
