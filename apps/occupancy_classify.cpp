@@ -101,7 +101,7 @@ class StereoSeat {
       : rectification_(first.rectification),
         watch_(cabin, rectification_),
         scan_(rectification_.camera, cabin.vehicle_from_rig * rectification_.rig_from_rectified),
-        monitor_(cabin.layout, base, scan_.rays(), monitor_options_of(SensorKind::kStereo)) {}
+        monitor_(cabin.layout, base, scan_.rays(), scan_.monitor_options()) {}
 
   /// Whether a frame is of this pair.
   bool took(const StereoFrameInput& frame) const {

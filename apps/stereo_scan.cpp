@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "occupancy_evaluation.hpp"
 #include "raybundle/geometry/error.hpp"
 
 namespace raybundle::apps {
@@ -34,6 +35,14 @@ StereoScan::StereoScan(const RectifiedCamera& camera, const Rigid3& vehicle_from
 }
 
 int StereoScan::rays() const { return std::max(grid_.rays(), kLearntRays); }
+
+// Larger images have smaller sigmas, which the wrong matches and rims that flicker do not follow: a ray has moved when
+// it has by as much as those of learnt pairs.
+MonitorOptions StereoScan::monitor_options() const {
+  MonitorOptions options = monitor_options_of(SensorKind::kStereo);
+  options.moved_sigmas *= grid_.pixels();
+  return options;
+}
 
 Scan StereoScan::of(const StereoFrame& frame) {
   points_.clear();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "raybundle/geometry/rigid3.hpp"
+#include "raybundle/occupancy/monitor.hpp"
 #include "raybundle/occupancy/scan.hpp"
 #include "raybundle/stereo/ray_grid.hpp"
 
@@ -19,6 +20,9 @@ class StereoScan {
 
   /// Those of a learnt pair at least: of a narrower one, some never end.
   int rays() const;
+
+  /// Thresholds for these points.
+  MonitorOptions monitor_options() const;
 
   /// @return  valid until the next call
   Scan of(const StereoFrame& frame);

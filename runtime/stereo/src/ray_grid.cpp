@@ -35,6 +35,7 @@ RayGrid::RayGrid(const RectifiedCamera& camera, const RayGridOptions& options) :
                                           " are needed; take larger images, or rectify them to a larger --width");
   }
   const double per_rad = denser < 1.0 + options.alike ? camera.focal_px : options.rays_per_rad;
+  pixels_each_way_ = camera.focal_px / per_rad;
   const Eigen::Vector2d middle = middle_of(camera);
   Eigen::Vector2d least = Eigen::Vector2d::Zero(), most = least;
   const auto inside = [&](const Eigen::Vector2d& angles) {

@@ -47,6 +47,7 @@ TEST(RayGrid, LeavesPixelsOfItsDensityAsTheyAre) {
   RayGrid grid(camera, kGrid);
   ASSERT_EQ(grid.columns(), 90);
   ASSERT_EQ(grid.rows(), 80);
+  EXPECT_EQ(grid.pixels(), 1.0);
   const auto thinned = grid.thin(view_of(points, camera.size));
   for (std::size_t i = 0; i < points.size(); ++i) {
     EXPECT_TRUE(i == 1234 || same(thinned[i], points[i])) << i;
@@ -83,6 +84,7 @@ TEST(RayGrid, TakesTheMedianAndNoMinority) {
   const auto camera = camera_of(RectifiedProjection::kTransverseEquirectangular, {300, 300}, 300.0);
   const std::vector<StereoPoint> all = wall(camera);
   RayGrid grid(camera, kGrid);
+  EXPECT_NEAR(grid.pixels(), 5.0, 1e-12);
   const int middle = grid.rows() / 2 * grid.columns() + grid.columns() / 2;
   const StereoPoint kept = grid.thin(view_of(all, camera.size))[static_cast<std::size_t>(middle)];
   // The 25 pixels of the ray in the middle: a wrong match is outvoted, and of twelve pixels nothing is kept.

@@ -31,6 +31,7 @@ class RayGrid {
   int columns() const { return columns_; }
   int rows() const { return rows_; }
   int rays() const { return columns_ * rows_; }
+  double pixels() const { return pixels_each_way_; }  ///< of a ray, each way; 1 where pixels stay as they are
 
   /// @param points  of images of the camera's size
   /// @return        one for each ray, row by row; sigma_m is 0 where there is none. Valid until the next call
@@ -39,6 +40,7 @@ class RayGrid {
  private:
   using Place = std::pair<float, int>;  // squared range, pixel
 
+  double pixels_each_way_ = 1.0;
   int width_ = 0, columns_ = 0, rows_ = 0;
   std::vector<int> pixels_;  // of all rays, those of one ray together
   std::vector<int> first_;   // of each ray in pixels_, and behind the last one
