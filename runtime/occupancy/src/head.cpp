@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kSeeds = 400;        // places that may be the front of a head
 constexpr int kAsked = 3000;       // points that are asked about each
-constexpr int kCandidates = 6;     // of them that are fitted
+constexpr int kCandidates = 10;    // of them that are fitted
 constexpr double kApart_m = 0.10;  // between candidates
 constexpr double kBeforeZone_m = 0.05, kBelowRoof_m = 0.05;
 

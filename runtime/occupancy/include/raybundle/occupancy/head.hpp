@@ -29,13 +29,13 @@ struct HeadOptions {
   /// Over the front half of the cushion, so far before the bight, heads of this height are not told: there lie those of
   /// babies that face the rear, and what the shells of their seats leave to be seen does not tell where they are. A
   /// head on the dashboard is farther ahead.
-  double least_above_front_m = 0.62;
-  double front_from_m = 0.28, front_to_m = 0.64;
+  double least_above_front_m = 0.60;
+  double front_from_m = 0.33, front_to_m = 0.62;
   double least_before_back_m = 0.10;  ///< half a head's length: headrests are nearer
   double least_from_side_m = 0.06;    ///< of its centre, from the zones' sides: it is over the seat
   int least_points = 60;
   double least_filled = 0.60;  ///< more than half of a head is seen, not a rim of it
-  double least_clear = 0.40;   ///< a shoulder or a headrest may stand beside it on one side, a wall on both
+  double least_clear = 0.35;   ///< a shoulder and a headrest may stand beside it, but no wall all around
   double most_misfit = 1.05;   ///< 1: points lie about the ellipsoid as their sigmas say; knees and bags do not
 };
 
