@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kBeyond = 1.05;         // times the farthest corner's angle: corners seldom come closer to the border
 constexpr double kPlainlyWorse = 1.2;    // times the noise under the lens that ends among its corners
+constexpr double kExact = 1e-3;          // of a corner's sigma: less noise than that is rounding
 constexpr int kFirstShapeParameter = 4;  // after fx, fy, cx and cy
 
 // Calls visit(point in the camera, view, index) for each corner of a camera's views in use.
@@ -100,7 +101,7 @@ bool give_up_coefficients(CalibrationProblem& single, BundleState& state, Bundle
     simpler.summary = solve(simpler.problem, simpler.state);
   }
   if (!simpler.reaches_beyond_corners()) return false;
-  const double noise = robust_sigmas(single, state)[0];
+  const double noise = std::max(robust_sigmas(single, state)[0], kExact);
   if (!(robust_sigmas(simpler.problem, simpler.state)[0] <= kPlainlyWorse * noise)) return false;
   for (Simpler fuller = simpler; fuller.problem.rules.size() > single.rules.size(); simpler = fuller) {
     fuller.problem.rules.pop_back();
