@@ -35,7 +35,7 @@ Elimination<E, K>::Elimination(const BlockSystem& pattern)
       std::iota(blocks.begin(), blocks.end(), 0);
     }
     std::ranges::sort(blocks);
-    blocks.erase(std::ranges::unique(blocks).begin(), blocks.end());
+    blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
     blocks.shrink_to_fit();
     panels_[p].rows.assign(blocks.size() * E * kTile, 0.0);
   }

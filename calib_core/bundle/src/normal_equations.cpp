@@ -162,7 +162,7 @@ void NormalEquations::group_by_pose(std::size_t poses) {
   workers_.for_each(static_cast<int>(poses_.size()), [&](int p) {
     PoseViews& group = poses_[p];
     std::ranges::sort(group.columns);
-    group.columns.erase(std::ranges::unique(group.columns).begin(), group.columns.end());
+    group.columns.erase(std::unique(group.columns.begin(), group.columns.end()), group.columns.end());
     group.columns.shrink_to_fit();
     for (int v : group.views) local_columns_[v] = local_columns(group, views_[v].camera, views_[v].target);
     for (int v : group.dots) dot_columns_[v] = local_columns(group, dots_[v].camera, dots_[v].target);
