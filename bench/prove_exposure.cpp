@@ -5,7 +5,8 @@
 // as into and out of a tunnel and from shade into sun; ExposureControl sets its shutter and gain through ImageSensor,
 // with one frame of latency. Bars: frames until the exposure stays within 5 % of where it ends (8 stops take three
 // jumps of up to 3 stops, then halves, each a frame late), and turns of the exposure on the way: a saturated image says
-// only that less light is wanted, so that one turn back is right, and a second one is an oscillation.
+// only that less light is wanted, so that one turn back is right, and a second one is an oscillation; and cabins whose
+// last image is not as bright as wanted, of which there may be none: a control that never moves has them.
 //
 // usage: prove_exposure [cabins of each generator, default 20]
 #include <algorithm>
@@ -70,6 +71,7 @@ Sources sources_of(CockpitGenerator generator, std::uint64_t seed) {
 
 struct Settling {
   int frames = 0, turns = 0;
+  bool too_dark = false, too_bright = false;  // the last image
 };
 
 Settling settling_of(const std::vector<double>& exposures_s) {
@@ -113,10 +115,29 @@ class Loop {
       sensor_.set(report.next);
       exposures_s.push_back(report.next.effective_s());
     }
-    return settling_of(exposures_s);
+    Settling settling = settling_of(exposures_s);
+    judge_last_image(exposures_s.back(), settling);
+    return settling;
   }
 
  private:
+  // As ExposureOptions say by their defaults: the median at its aim, or less where more would leave too much bright. A
+  // sensor that can do no more is not to blame.
+  void judge_last_image(double exposure_s, Settling& settling) const {
+    constexpr double kNear = 0.10, kNearShare = 0.03;  // of the aim's grey value, and of the share
+    const ExposureOptions aim;
+    std::vector<std::uint8_t> sorted = pixels_;
+    std::ranges::sort(sorted);
+    const double median = sorted[sorted.size() / 2];
+    const auto bright = std::ranges::upper_bound(sorted, static_cast<std::uint8_t>(aim.bright_grey));
+    const double share = static_cast<double>(sorted.end() - bright) / static_cast<double>(sorted.size());
+    const SensorLimits sensor = limits();
+    settling.too_dark = median < aim.target_grey * (1.0 - kNear) && share < aim.bright_share - kNearShare &&
+                        exposure_s < 0.99 * sensor.most_shutter_s * sensor.most_gain;
+    settling.too_bright = (median > aim.target_grey * (1.0 + kNear) || share > aim.bright_share + kNearShare) &&
+                          exposure_s > 1.01 * sensor.least_shutter_s;
+  }
+
   static SensorLimits limits() {
     return {.least_shutter_s = 10e-6,
             .most_shutter_s = 15e-3,
@@ -140,6 +161,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   Settling worst[std::size(kLights)];
+  int too_dark[std::size(kLights)] = {}, too_bright[std::size(kLights)] = {};
   for (const CockpitGenerator generator : {CockpitGenerator::kTraining, CockpitGenerator::kTest}) {
     for (int cabin = 0; cabin < cabins; ++cabin) {
       Loop loop(sources_of(generator, 1 + static_cast<std::uint64_t>(cabin)));
@@ -147,6 +169,8 @@ int main(int argc, char** argv) {
         const Settling settling = loop.follow(kLights[i]);
         worst[i].frames = std::max(worst[i].frames, settling.frames);
         worst[i].turns = std::max(worst[i].turns, settling.turns);
+        too_dark[i] += settling.too_dark;
+        too_bright[i] += settling.too_bright;
       }
     }
   }
@@ -156,6 +180,8 @@ int main(int argc, char** argv) {
                 kLights[i].sun_W_m2, 2 * cabins);
     good &= at_most(kFramesToSettle, "frames until the exposure stays, most", worst[i].frames, kCount);
     good &= at_most(kMostTurns, "turns of the exposure, most", worst[i].turns, kCount);
+    good &= at_most(0, "cabins that end too dark", too_dark[i], kCount);
+    good &= at_most(0, "cabins that end too bright", too_bright[i], kCount);
   }
   return good ? 0 : 1;
 }
