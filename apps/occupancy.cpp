@@ -141,6 +141,9 @@ void add_learn(CLI::App& verb) {
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   learn->add_flag("--json", flags->json, "print the result as JSON");
+  learn->footer(
+      "Scenes of stereo are rendered, which takes the better part of an hour; those of a laser take minutes. Fewer\n"
+      "--scenes do for a trial, more --threads divide the time.");
   learn->callback([flags, learn] {
     flags->beams_given = learn->count("--beams") > 0;
     run_learn(*flags);

@@ -45,10 +45,10 @@ struct Flags {
 std::vector<std::string> files_of(const std::vector<std::string>& given) {
   std::vector<std::string> files;
   for (const std::string& each : given) {
-    const bool folder = fs::is_directory(each), file = !folder && fs::exists(each);
-    const std::vector<std::string> found = file     ? std::vector{each}
-                                           : folder ? matching_files(each, {"*.json"})
-                                                    : matching_files("", {each});
+    const bool pattern = !fs::exists(each) && each.find_first_of("*?[{~") != std::string::npos;
+    const std::vector<std::string> found = fs::is_directory(each) ? matching_files(each, {"*.json"})
+                                           : pattern              ? matching_files("", {each})
+                                                                  : std::vector{each};
     files.insert(files.end(), found.begin(), found.end());
   }
   return files;
@@ -151,7 +151,10 @@ std::string classify_stereo(const Flags& flags, const std::vector<std::string>& 
     shown.back().update(seat->watch().on_page());
     shown.back()["answer"] = answer;
   }
-  return flags.page.empty() ? "" : stereo_page(shown);
+  if (flags.page.empty()) return "";
+  if (shown.size() < files.size())
+    say(fmt::format("the page shows the first {} of {} frames", shown.size(), files.size()));
+  return stereo_page(shown);
 }
 
 void run(const Flags& flags) {

@@ -15,6 +15,8 @@
 namespace raybundle::apps {
 namespace {
 
+constexpr double kFarthest_m = 1e4;
+
 State state_of(const std::string& word) {
   return word == "OK" ? State::kOk : word == "DEGRADED" ? State::kDegraded : State::kInvalid;
 }
@@ -56,6 +58,10 @@ PointFrame read_point_frame(const std::string& path, const InstalledSensor& sens
       }
       const std::array<double, 3> x = point.at("x_in_camera_m");
       const std::array<double, 9> covariance = point.at("covariance_m2");
+      if (!(std::hypot(x[0], x[1], x[2]) < kFarthest_m)) {
+        throw Error(ErrorKind::kBadInput,
+                    fmt::format("row {}, column {} lies beyond {:g} m; make it again", row, column, kFarthest_m), path);
+      }
       frame.points.push_back({row * sensor.columns + column, sensor.vehicle_from_camera * Eigen::Vector3d(x.data()),
                               std::sqrt(covariance[0] + covariance[4] + covariance[8])});
     }

@@ -22,7 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostPixels = 1 << 14;  // each way
+constexpr int kMostPixels = 1 << 14, kMostOfAll = 1 << 25;  // each way, and in all
+constexpr double kFarthest_m = 1e4;
 constexpr std::size_t kRecord = sizeof(StereoPoint) + 1;
 
 [[noreturn]] void damaged(const std::string& path, const std::string& what) {
@@ -40,9 +41,10 @@ Rectification rectification_of(const nlohmann::json& json, const std::string& pa
   pair.baseline_m = json.at("baseline_m");
   pair.rig_from_rectified = pose_from_json(json.at("rig_from_rectified"));
   const bool sized = camera.size.width > 0 && camera.size.width <= kMostPixels && camera.size.height > 0 &&
-                     camera.size.height <= kMostPixels;
+                     camera.size.height <= kMostPixels && camera.size.width * camera.size.height <= kMostOfAll;
   if (!projection || !sized || !(camera.focal_px > 0) || !(pair.baseline_m > 0) ||
-      !(std::abs(pair.rig_from_rectified.rotation.norm() - 1) < 1e-6)) {
+      !(std::abs(pair.rig_from_rectified.rotation.norm() - 1) < 1e-6) ||
+      !(pair.rig_from_rectified.translation.norm() < kFarthest_m)) {
     damaged(path, "holds a rectification that cannot be");
   }
   camera.projection = *projection;
@@ -89,8 +91,9 @@ void StereoFrameInput::read_points(const std::string& path) {
   for (std::size_t at = header + end.size(); at < text.size(); at += kRecord) {
     StereoPoint point;
     std::memcpy(&point, text.data() + at, sizeof point);
-    const auto pixel = camera.pixel_from_ray({point.x_m, point.y_m, point.z_m});
-    if (!pixel || !camera.contains(*pixel) || !(point.sigma_m > 0)) {
+    const Eigen::Vector3d x(point.x_m, point.y_m, point.z_m);
+    const auto pixel = camera.pixel_from_ray(x);
+    if (!pixel || !camera.contains(*pixel) || !(x.norm() < kFarthest_m) || !(point.sigma_m > 0)) {
       damaged(path, "holds points that the rectified image does not show");
     }
     const auto u = static_cast<std::size_t>(std::lround(pixel->x())),

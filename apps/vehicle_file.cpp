@@ -11,9 +11,10 @@
 namespace raybundle::apps {
 namespace {
 
+constexpr double kFarthest_m = 5.0;
+
 // What decides about an airbag has to be a cabin.
 void check(const VehicleLayout& layout, const std::string& path) {
-  constexpr double kFarthest_m = 5.0;
   for (const double length_m : {layout.dashboard_x_m, layout.dashboard_top_m, layout.zone_floor_m,
                                 layout.zone_half_width_m, layout.out_of_position_m, layout.roof_m}) {
     if (std::abs(length_m) <= kFarthest_m) continue;
@@ -81,6 +82,12 @@ Rigid3 VehicleSection::pose() {
                 fmt::format("[{}] rotation_xyzw has no unit length; give six digits and more", name_), path_);
   }
   pose.rotation.normalize();
+  if (!(pose.translation.norm() <= kFarthest_m)) {
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("[{}] translation_m is {:g} m long, and no cabin is so large; give metres", name_,
+                            pose.translation.norm()),
+                path_);
+  }
   return pose;
 }
 
