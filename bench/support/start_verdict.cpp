@@ -55,7 +55,7 @@ Optimum optimum_from_truth(const RandomRig& rig, const BundleState& start, bool 
     return solve_to_the_end(problem, state, estimate_shape);
   };
   optimum.summary = solve(optimum.problem, optimum.state);
-  give_up_coefficients(optimum.problem, optimum.state, optimum.summary, solve);
+  give_up_coefficients(optimum.problem, optimum.state, 0, optimum.summary, solve);
   return optimum;
 }
 

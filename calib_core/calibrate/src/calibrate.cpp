@@ -10,6 +10,7 @@
 #include "further_measurements.hpp"
 #include "joint_solve.hpp"
 #include "raybundle/bundle/parameters.hpp"
+#include "raybundle/calibrate/lens_domain.hpp"
 #include "raybundle/camera/injectivity.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/initialize/rig_start.hpp"
@@ -64,12 +65,25 @@ void warn_of_folds(const CalibrationProblem& problem, const BundleState& state, 
   }
 }
 
-// Holds coefficients at zero with which a camera's lens would end among its corners.
-void give_up(const std::vector<ParameterRule>& coefficients, CalibrationProblem& problem, CalibrationResult& result) {
-  if (coefficients.empty()) return;
+// What the cameras tell together may bend a lens so that it ends among its corners.
+void keep_lenses_beyond_corners(CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
+                                std::vector<std::string>& reasons, JointSolve& solve) {
+  const auto solve_again = [&](const CalibrationProblem& simpler, BundleState& of_simpler) {
+    return solve_jointly(simpler, of_simpler, options, reasons).summary;
+  };
+  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
+    if (!give_up_coefficients(problem, state, c, solve.summary, solve_again)) continue;
+    solve = solve_jointly(problem, state, options, reasons, solve.summary);
+  }
+}
+
+// Tells which coefficients are held at zero because their lens would end among its corners: of the rules from `first`
+// on.
+void name_given_up(const CalibrationProblem& problem, std::size_t first, CalibrationResult& result) {
   std::string names;
-  for (const ParameterRule& rule : coefficients) names += (names.empty() ? "" : ", ") + rule.pattern;
-  problem.rules.insert(problem.rules.end(), coefficients.begin(), coefficients.end());
+  for (std::size_t i = first; i < problem.rules.size(); ++i)
+    names += (i > first ? ", " : "") + problem.rules[i].pattern;
+  if (names.empty()) return;
   result.warnings.push_back(
       "held at zero: " + names +
       "; otherwise the lens that fits best has a pole among the corners or turns back there; choose a model with fewer "
@@ -123,7 +137,8 @@ CalibrationResult calibrate_in_order(const CalibrationProblem& problem, const Ca
   }
   if (cameras.empty()) throw Error(ErrorKind::kNotEnoughData, alone.why_not.front());
   Subproblem sub = select_cameras(problem, cameras);
-  for (const int c : cameras) give_up(alone.given_up[c], sub.problem, result);
+  const std::size_t rules = sub.problem.rules.size();
+  for (const int c : cameras) std::ranges::copy(alone.given_up[c], std::back_inserter(sub.problem.rules));
   std::vector<std::optional<Rigid3>> camera_from_target, mirrored;
   std::vector<std::vector<ObservationFate>> fates;
   std::vector<std::string> reasons;
@@ -142,6 +157,7 @@ CalibrationResult calibrate_in_order(const CalibrationProblem& problem, const Ca
   {
     const Stopwatch stopwatch(result.stages, "solve");
     solve = solve_jointly(sub.problem, state, options, reasons, alone.summaries[cameras.front()]);
+    keep_lenses_beyond_corners(sub.problem, state, options, reasons, solve);
   }
   BundleOptions bundle;
   bundle.estimate_shape = solve.shape_estimated;
@@ -159,6 +175,7 @@ CalibrationResult calibrate_in_order(const CalibrationProblem& problem, const Ca
   fill_result(sub.problem, state, result);
   for (std::size_t c = 0; c < cameras.size(); ++c) result.calibration.cameras[c].evidence = evidence[c];
   for (std::size_t v = 0; v < sub.views.size(); ++v) result.views[v].symmetry = rig.symmetry_of_view[v];
+  name_given_up(sub.problem, rules, result);
   warn_of_folds(sub.problem, state, result);
   std::ranges::copy_if(solve.ties.untied, std::back_inserter(result.set_aside),
                        [&](const SetAside& untied) { return state.pose_of_view[untied.view] >= 0; });

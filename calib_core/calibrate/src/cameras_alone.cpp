@@ -29,7 +29,7 @@ std::vector<ParameterRule> keep_lens_beyond_corners(CalibrationProblem& single, 
     return solve_without_outliers(simpler, of_simpler, options, false, reasons);
   };
   CalibrationProblem simpler = single;
-  if (!give_up_coefficients(simpler, state, optimum.summary, solve)) return {};
+  if (!give_up_coefficients(simpler, state, 0, optimum.summary, solve)) return {};
   std::vector<ParameterRule> given_up(simpler.rules.begin() + static_cast<std::ptrdiff_t>(single.rules.size()),
                                       simpler.rules.end());
   // With all coefficients there may be such a lens farther away, and a better one.

@@ -34,28 +34,62 @@ void for_each_corner(const CalibrationProblem& problem, const BundleState& state
   }
 }
 
-// Indices of the free coefficients of the radial profile, the last first.
-std::vector<int> free_coefficients(const CalibrationProblem& single) {
-  const std::vector<std::string_view> names = parameter_names(single.cameras[0].model);
-  const ParameterBlock intrinsics = parameter_blocks(single).front();
+// Indices of the free coefficients of a camera's radial profile, the last first.
+std::vector<int> free_coefficients(const CalibrationProblem& problem, int camera) {
+  const std::vector<std::string_view> names = parameter_names(problem.cameras[camera].model);
   std::vector<int> coefficients;
-  for (int k = static_cast<int>(names.size()) - 1; k >= kFirstShapeParameter; --k) {
-    const bool free = intrinsics.parameters[k].kind == ParameterRule::Kind::kFree;
-    if (free && names[k].front() == 'k') coefficients.push_back(k);
+  for (const ParameterBlock& block : parameter_blocks(problem)) {
+    if (block.kind != ParameterBlock::Kind::kIntrinsics || block.owner != camera) continue;
+    for (int k = static_cast<int>(names.size()) - 1; k >= kFirstShapeParameter; --k) {
+      const bool free = block.parameters[k].kind == ParameterRule::Kind::kFree;
+      if (free && names[k].front() == 'k') coefficients.push_back(k);
+    }
   }
   return coefficients;
 }
 
-/// A problem whose lens has lost some coefficients, and its optimum.
+/// A problem of which a lens has lost some coefficients, and its optimum.
 struct Simpler {
   CalibrationProblem problem;
   BundleState state;
   BundleSummary summary;
 
-  bool reaches_beyond_corners() const {
-    return summary.termination == Termination::kConverged && !ends_among_corners(problem, state, 0);
+  bool reaches_beyond_corners(int camera) const {
+    return summary.termination == Termination::kConverged && !ends_among_corners(problem, state, camera);
   }
 };
+
+// Fits the lens anew with ever more of the coefficients at zero, from the state's poses; whether one of the fits
+// reaches beyond the corners.
+bool give_up_until_beyond(const BundleState& state, int camera, const std::vector<int>& coefficients,
+                          const SolveFunction& solve, Simpler& simpler) {
+  std::vector<Eigen::Vector3d> rays;  // of corners that are not known to be wrong
+  std::vector<Eigen::Vector2d> pixels;
+  for_each_corner(simpler.problem, state, camera, [&](const Eigen::Vector3d& x, int v, std::size_t i) {
+    if (state.fates[v][i] == ObservationFate::kOutlier) return;
+    rays.push_back(x.normalized());
+    pixels.push_back(simpler.problem.views[v].observations[i].pixel);
+  });
+  const Camera& lens = state.cameras[camera];
+  const std::vector<std::string_view> names = parameter_names(lens.model);
+  std::vector<int> zeros;  // with those that were given up before
+  for (int k = kFirstShapeParameter; k < static_cast<int>(names.size()); ++k) {
+    if (lens.parameters[k] == 0.0 && std::ranges::find(coefficients, k) == coefficients.end()) zeros.push_back(k);
+  }
+  for (std::size_t count = 0; count <= coefficients.size(); ++count) {
+    if (count > 0) {
+      zeros.push_back(coefficients[count - 1]);
+      const std::string name = simpler.problem.cameras[camera].name + "." + std::string(names[zeros.back()]);
+      simpler.problem.rules.push_back({name, ParameterRule::Kind::kFixed, 0.0, 0.0});
+    }
+    simpler.state = state;
+    simpler.state.cameras[camera] = fitted_anew(lens, rays, pixels, zeros);
+    mark_projectable(simpler.problem, simpler.state);
+    simpler.summary = solve(simpler.problem, simpler.state);
+    if (simpler.reaches_beyond_corners(camera)) return true;
+  }
+  return false;
+}
 
 }  // namespace
 
@@ -74,41 +108,20 @@ bool spoils_lens(const CalibrationProblem& single, const BundleState& before, co
   return ends_among_corners(single, after, 0) && !ends_among_corners(single, before, 0);
 }
 
-bool give_up_coefficients(CalibrationProblem& single, BundleState& state, BundleSummary& summary,
+bool give_up_coefficients(CalibrationProblem& problem, BundleState& state, int camera, BundleSummary& summary,
                           const SolveFunction& solve) {
-  if (!ends_among_corners(single, state, 0)) return false;
-  std::vector<Eigen::Vector3d> rays;  // of corners that are not known to be wrong
-  std::vector<Eigen::Vector2d> pixels;
-  for_each_corner(single, state, 0, [&](const Eigen::Vector3d& x, int v, std::size_t i) {
-    if (state.fates[v][i] == ObservationFate::kOutlier) return;
-    rays.push_back(x.normalized());
-    pixels.push_back(single.views[v].observations[i].pixel);
-  });
-  const std::string prefix = single.cameras[0].name + ".";
-  const std::vector<std::string_view> names = parameter_names(single.cameras[0].model);
-  const std::vector<int> coefficients = free_coefficients(single);
-  Simpler simpler{single, {}, {}};
-  std::vector<int> zeros;
-  for (std::size_t count = 0; count <= coefficients.size() && !simpler.reaches_beyond_corners(); ++count) {
-    if (count > 0) {
-      zeros.push_back(coefficients[count - 1]);
-      const std::string name = prefix + std::string(names[zeros.back()]);
-      simpler.problem.rules.push_back({name, ParameterRule::Kind::kFixed, 0.0, 0.0});
-    }
-    simpler.state = state;
-    simpler.state.cameras[0] = fitted_anew(state.cameras[0], rays, pixels, zeros);
-    mark_projectable(simpler.problem, simpler.state);
-    simpler.summary = solve(simpler.problem, simpler.state);
-  }
-  if (!simpler.reaches_beyond_corners()) return false;
-  const double noise = std::max(robust_sigmas(single, state)[0], kExact);
-  if (!(robust_sigmas(simpler.problem, simpler.state)[0] <= kPlainlyWorse * noise)) return false;
-  for (Simpler fuller = simpler; fuller.problem.rules.size() > single.rules.size(); simpler = fuller) {
+  const std::vector<int> coefficients = free_coefficients(problem, camera);
+  if (coefficients.empty() || !ends_among_corners(problem, state, camera)) return false;
+  Simpler simpler{problem, {}, {}};
+  if (!give_up_until_beyond(state, camera, coefficients, solve, simpler)) return false;
+  const double noise = std::max(robust_sigmas(problem, state)[camera], kExact);
+  if (!(robust_sigmas(simpler.problem, simpler.state)[camera] <= kPlainlyWorse * noise)) return false;
+  for (Simpler fuller = simpler; fuller.problem.rules.size() > problem.rules.size(); simpler = fuller) {
     fuller.problem.rules.pop_back();
     fuller.summary = solve(fuller.problem, fuller.state);
-    if (!fuller.reaches_beyond_corners()) break;
+    if (!fuller.reaches_beyond_corners(camera)) break;
   }
-  single = std::move(simpler.problem);
+  problem = std::move(simpler.problem);
   state = std::move(simpler.state);
   summary = simpler.summary;
   return true;

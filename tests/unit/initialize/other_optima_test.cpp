@@ -42,6 +42,46 @@ TEST(TwinCameras, KannalaBrandtHasNone) {
   EXPECT_THAT(twin_cameras(camera, rays_up_to(1.4), 0.5), ::testing::IsEmpty());
 }
 
+// Up to 50 degrees, from a camera whose denominator ends at 30.
+TEST(FittedAnew, LeavesThePoleBehindAndHoldsZeros) {
+  const Camera truth = camera_of("rational", {600, 600, 320, 240, 0.3, 0, 0, 0, 0, 0.5, 0, 0});
+  Camera with_pole = truth;
+  with_pole.parameters[9] = -3.0;
+  const std::vector<Eigen::Vector3d> rays = rays_up_to(0.87);
+  std::vector<Eigen::Vector2d> pixels;
+  for (const Eigen::Vector3d& ray : rays) pixels.push_back(*pixel_from_ray(truth, ray));
+  const Camera fitted = fitted_anew(with_pole, rays, pixels, {10, 11});
+  EXPECT_EQ(fitted.parameters.tail<2>(), Eigen::Vector2d::Zero());
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const auto pixel = pixel_from_ray(fitted, rays[i]);
+    ASSERT_TRUE(pixel) << i;
+    EXPECT_LT((*pixel - pixels[i]).norm(), 3.0) << i;  // what a start has to be within
+  }
+}
+
+// A board of two rows: its length tells how it is tilted along, but hardly its width how it is turned about it.
+TEST(MirroredPose, OfANarrowBoardIsTurnedAboutItsLength) {
+  const Camera camera = camera_of("pinhole", {600, 600, 320, 240});
+  const Target board = testing::grid_target("board", 10, 2, 0.03);
+  const auto turned_by = [](double turn_rad) {
+    Rigid3 pose;
+    pose.rotation = Eigen::AngleAxisd(0.6, Eigen::Vector3d::UnitY()) *
+                    Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitX()));
+    pose.translation << -0.1, -0.015, 0.6;
+    return pose;
+  };
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Eigen::Vector2d> pixels;
+  for (const TargetPoint& point : board.points) {
+    points.push_back(point.x_in_target);
+    pixels.push_back(*pixel_from_ray(camera, turned_by(0.5) * point.x_in_target));
+  }
+  const auto other = find_mirrored_pose(camera, points, pixels, turned_by(-0.5));
+  ASSERT_TRUE(other);
+  EXPECT_LT(other->squares_ratio, 1e-6);
+  EXPECT_LT(angle_between(other->camera_from_target, turned_by(0.5)), 1e-6);  // the pixels are exact
+}
+
 TEST(MirroredPose, TurnsABoardThatIsHeldTheWrongWayAndLeavesARightOne) {
   const Camera camera = camera_of("pinhole", {600, 600, 320, 240});
   const Target board = testing::grid_target("board", 7, 5, 0.03);

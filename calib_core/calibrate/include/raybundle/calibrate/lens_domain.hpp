@@ -25,10 +25,10 @@ using SolveFunction = std::function<BundleSummary(const CalibrationProblem& prob
 /// is a lens with all of them beside the one that was found. Nothing changes when only a lens that fits plainly worse
 /// would do.
 ///
-/// @param single   a problem with one camera; gets a rule for each coefficient that stays at zero
+/// @param problem  gets a rule for each coefficient that stays at zero
 /// @param summary  of the solve that led to the state, then of the last one
 /// @return         whether the state changed
-bool give_up_coefficients(CalibrationProblem& single, BundleState& state, BundleSummary& summary,
+bool give_up_coefficients(CalibrationProblem& problem, BundleState& state, int camera, BundleSummary& summary,
                           const SolveFunction& solve);
 
 }  // namespace raybundle

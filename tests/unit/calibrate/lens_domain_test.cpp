@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Lenses that end among their corners: a pole of the profile that fits between two corners.
+#include "raybundle/calibrate/lens_domain.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "raybundle/calibrate/calibrate.hpp"
+#include "synthetic_world.hpp"
+
+namespace raybundle {
+namespace {
+
+constexpr double kAbove = 0.3, kBelow = 0.5;  // the lens is (1 + 0.3 r²) / (1 + 0.5 r²)
+
+// A rational lens of which only k1 and k4 are not zero, seen without noise up to 50 degrees.
+testing::SyntheticWorld simple_world() {
+  testing::SyntheticOptions options;
+  options.seed = 5;
+  options.max_off_axis_rad = 0.6;
+  testing::SyntheticCamera camera;
+  camera.model = "rational";
+  camera.size = {1280, 1100};
+  camera.focal_px = 600;
+  camera.shape = {kAbove, 0, 0, 0, 0, kBelow, 0, 0};
+  options.cameras = {camera};
+  return synthetic_world(options);
+}
+
+// The same lens with the factor (1 - r² / v)² above and below: a double pole at r² = v, and no other difference.
+Camera with_pole(Camera camera, double v) {
+  camera.parameters[4] = kAbove - 2 / v;
+  camera.parameters[5] = 1 / (v * v) - 2 * kAbove / v;
+  camera.parameters[8] = kAbove / (v * v);
+  camera.parameters[9] = kBelow - 2 / v;
+  camera.parameters[10] = 1 / (v * v) - 2 * kBelow / v;
+  camera.parameters[11] = kBelow / (v * v);
+  return camera;
+}
+
+BundleState true_state(const testing::SyntheticWorld& world) {
+  BundleState state{world.cameras, world.camera_from_rig, world.poses, world.shapes, world.pose_of_view, {}};
+  mark_projectable(world.problem, state);
+  return state;
+}
+
+BundleSummary solve(const CalibrationProblem& problem, BundleState& state) { return solve_bundle(problem, state); }
+
+TEST(LensDomain, APoleBetweenTwoCornersEndsTheLensThere) {
+  const testing::SyntheticWorld world = simple_world();
+  BundleState state = true_state(world);
+  EXPECT_FALSE(ends_among_corners(world.problem, state, 0));
+  const BundleState before = state;
+  state.cameras[0] = with_pole(state.cameras[0], 0.25);
+  mark_projectable(world.problem, state);
+  EXPECT_EQ(state.fates, before.fates);  // every corner projects, and where it did
+  EXPECT_TRUE(ends_among_corners(world.problem, state, 0));
+  EXPECT_TRUE(spoils_lens(world.problem, before, state));
+  EXPECT_FALSE(spoils_lens(world.problem, state, state));
+}
+
+TEST(LensDomain, ALensWithAPoleIsReplacedByOneThatFitsAsWell) {
+  const testing::SyntheticWorld world = simple_world();
+  for (const double v : {0.1, 0.25, 0.6}) {
+    CalibrationProblem problem = world.problem;
+    BundleState state = true_state(world);
+    state.cameras[0] = with_pole(state.cameras[0], v);
+    mark_projectable(problem, state);
+    BundleSummary summary;
+    ASSERT_TRUE(give_up_coefficients(problem, state, 0, summary, solve)) << v;
+    EXPECT_FALSE(ends_among_corners(problem, state, 0)) << v;
+    EXPECT_LT(summary.final_cost, 1e-9) << v;  // half the sum of squares [px²] of some thousand exact corners
+    EXPECT_THAT(state.fates, ::testing::Each(::testing::Each(ObservationFate::kUsed)));
+  }
+}
+
+TEST(LensDomain, CoefficientsThatAreFixedAreNotTouched) {
+  const testing::SyntheticWorld world = simple_world();
+  CalibrationProblem problem = world.problem;
+  BundleState state = true_state(world);
+  state.cameras[0] = with_pole(state.cameras[0], 0.25);
+  problem.cameras[0].parameters = state.cameras[0].parameters;
+  problem.rules = {{"*.k?", ParameterRule::Kind::kFixed, {}, 0.0}};
+  BundleSummary summary;
+  EXPECT_FALSE(give_up_coefficients(problem, state, 0, summary, solve));
+  EXPECT_EQ(state.cameras[0].parameters, *problem.cameras[0].parameters);
+}
+
+// The start's denominator ends at 30 degrees, and corners beyond do not project: they cannot pull the lens back.
+TEST(LensDomain, AStartThatEndsAmongTheCornersLosesNone) {
+  testing::SyntheticWorld world = simple_world();
+  Eigen::VectorXd start = world.cameras[0].parameters;
+  start[9] = -3.0;
+  world.problem.cameras[0].parameters = start;
+  const CalibrationResult result = calibrate(world.problem);
+  for (const ViewResult& view : result.views) {
+    EXPECT_THAT(view.fates, ::testing::Each(ObservationFate::kUsed));
+  }
+  EXPECT_LT(result.rms_px, 1e-6);
+}
+
+}  // namespace
+}  // namespace raybundle
