@@ -11,6 +11,7 @@
 
 #include "raybundle/stereo/dot_fusion.hpp"
 #include "raybundle/stereo/exposure_control.hpp"
+#include "raybundle/stereo/ray_grid.hpp"
 #include "raybundle/stereo/stereo.hpp"
 
 namespace {
@@ -36,6 +37,7 @@ TEST(Stereo, TakesNoMemoryAfterItsStart) {
   StereoMatcher matcher(calibration, "left", "right");
   const ImageSize rectified = matcher.rectification().camera.size;
   DotFusion fusion(rectified);
+  RayGrid grid(matcher.rectification().camera, {.rays_per_rad = 50, .field_x_rad = 2, .field_y_rad = 2});
   ExposureControl exposure(kSize, {.least_shutter_s = 1e-4, .most_shutter_s = 1e-2});
 
   std::mt19937 random(1);
@@ -53,6 +55,7 @@ TEST(Stereo, TakesNoMemoryAfterItsStart) {
   for (int i = 0; i < 3; ++i) {
     const StereoFrame frame = matcher.process(left, right);
     matched += frame.disparity.matched;
+    grid.thin(frame.points);
     fusion.fuse(frame.left, frame.disparity, dots);
     exposure.update(left, exposure.next());
   }
