@@ -61,7 +61,7 @@ struct Head {
 /// Where points are as if on the front of a ball that stands free, an ellipsoid of the size of heads is fitted: points
 /// on it pull its surface, rays that pass beside it push it. Told are its front, the middle of the surface that the
 /// sensor sees, and its centre, a point amid the head: the front is measured, the centre lies behind it by a size that
-/// one view hardly shows, and is less sure by that. What is no head in size, in place above the seat, or in how it
+/// one view hardly shows, and is less sure by that. What is no head in shape, in place above the seat, or in how it
 /// stands free, is not found; of several, as hands and knees may be, it is the highest. Without heap; the same bits on
 /// every run.
 ///
