@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "raybundle/bundle/parameters.hpp"
+#include "raybundle/camera/plane_distortion.hpp"
 #include "raybundle/initialize/other_optima.hpp"
 #include "robust_solve.hpp"
 
@@ -16,6 +17,17 @@ constexpr double kBeyond = 1.05;         // times the farthest corner's angle: c
 constexpr double kPlainlyWorse = 1.2;    // times the noise under the lens that ends among its corners
 constexpr double kExact = 1e-3;          // of a corner's sigma: less noise than that is rounding
 constexpr int kFirstShapeParameter = 4;  // after fx, fy, cx and cy
+
+template <int n>
+constexpr bool has_denominator(const DistortedPinhole<n>*) {
+  return PlaneDistortion<n>::kHasDenominator;
+}
+constexpr bool has_denominator(const void*) { return false; }
+
+// Whether a model's profile can have a pole. Where a polynomial turns back all corners tell together, and rightly.
+bool can_have_pole(ModelId model) {
+  return with_model(model, []<CameraModel M>() { return has_denominator(static_cast<const M*>(nullptr)); });
+}
 
 // Calls visit(point in the camera, view, index) for each corner of a camera's views in use.
 template <typename Visitor>
@@ -94,6 +106,7 @@ bool give_up_until_beyond(const BundleState& state, int camera, const std::vecto
 }  // namespace
 
 bool ends_among_corners(const CalibrationProblem& problem, const BundleState& state, int camera) {
+  if (!can_have_pole(state.cameras[camera].model)) return false;
   double cosine = 1.0;  // of the farthest corner's angle off the axis
   for_each_corner(problem, state, camera, [&](const Eigen::Vector3d& x, int v, std::size_t i) {
     if (state.fates[v][i] == ObservationFate::kUsed) cosine = std::min(cosine, x.z() / x.norm());

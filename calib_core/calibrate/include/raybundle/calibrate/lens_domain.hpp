@@ -9,8 +9,9 @@
 
 namespace raybundle {
 
-/// Whether a camera's lens ends among its corners in use or hardly beyond them: where its radial profile has a pole or
-/// turns back. Such a lens can fit the corners better than any real one, with a spike between two of them.
+/// Whether a camera's lens of a rational model ends among its corners in use or hardly beyond them: where its radial
+/// profile has a pole or turns back. Such a lens can fit the corners better than any real one, with a spike between two
+/// of them. Models without a denominator have no spikes, and false is returned.
 bool ends_among_corners(const CalibrationProblem& problem, const BundleState& state, int camera);
 
 /// Whether only the later of two states of a problem with one camera has a lens that ends among its corners.
