@@ -32,7 +32,7 @@ BeamDepth beam_depth(const RigCamera& camera, const Covariance& parameters, cons
   by_beam.rightCols<2>() = along * by_beam.leftCols<2>();
   const Eigen::Matrix<double, 3, 6> by_place =
       by_motion_of_surroundings(in_camera - camera.camera_from_rig.translation);
-  const auto depth_by = [&](const Eigen::Matrix3Xd& place) -> Eigen::RowVectorXd {
+  const auto depth_by = [&, &direction = direction](const Eigen::Matrix3Xd& place) -> Eigen::RowVectorXd {
     return place.row(2) - direction.z() * solve * derivatives->by_ray * place;
   };
   const Eigen::RowVector4d depth_by_beam = depth_by(by_beam);

@@ -5,12 +5,10 @@
 #include <span>
 
 #include "raybundle/device/byte_stream.hpp"
-#include "raybundle/device/checked_file.hpp"
 
 namespace raybundle {
 namespace {
 
-constexpr FileKind kKind{"RBOCCUPY", 3, "base of occupancy cases", "raybundle occupancy learn"};
 constexpr int kMostCases = 1 << 20, kMostLayers = 8;
 
 void add_matrix(ByteWriter& writer, const Eigen::Ref<const Eigen::MatrixXf>& matrix) {
@@ -72,11 +70,11 @@ std::string bytes_from_case_base(const CaseBase& base) {
   }
   writer.values(std::span<const std::uint8_t>(base.classes));
   for (const AirbagAction action : base.actions) writer.value(static_cast<std::uint8_t>(action));
-  return checked_file(kKind, writer.bytes());
+  return checked_file(kCaseBaseKind, writer.bytes());
 }
 
 CaseBase case_base_from_bytes(std::string_view bytes, const std::string& where) {
-  ByteReader reader(checked_payload(kKind, bytes, where), where);
+  ByteReader reader(checked_payload(kCaseBaseKind, bytes, where), where);
   CaseBase base;
   base.attribute_set = reader.text();
   base.group_names.resize(static_cast<std::size_t>(reader.count(1, kMostClasses, "the number of groups")));

@@ -140,7 +140,7 @@ AirbagAction OccupancyMonitor::calmed(AirbagAction now) {
   AirbagAction least = now;
   for (const AirbagAction before : last_actions_) least = std::min(least, before);
   if (!last_actions_.empty()) {
-    std::ranges::rotate(last_actions_, last_actions_.begin() + 1);
+    std::rotate(last_actions_.begin(), last_actions_.begin() + 1, last_actions_.end());
     last_actions_.back() = now;
   }
   return now == AirbagAction::kNoFire ? now : least;

@@ -138,7 +138,7 @@ inline void judge_row(JudgeRow row) {
     std::uint8_t state = rise < row.peak ? code(Match::kFlat) : kMatched;
     state = best.second[x] - best.sum[x] < row.uniqueness ? code(Match::kAmbiguous) : state;
     state = best.cost[x] > row.strength ? code(Match::kWeak) : state;
-    state = (row.agrees[x] == 0) | at_end ? code(Match::kOneSided) : state;
+    state = ((row.agrees[x] == 0) | at_end) ? code(Match::kOneSided) : state;
     row.match[x] = row.covered[x] == 0 ? code(Match::kUncovered) : state;
   }
 #pragma GCC ivdep

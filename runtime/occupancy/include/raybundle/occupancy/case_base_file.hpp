@@ -5,9 +5,12 @@
 #include <string>
 #include <string_view>
 
+#include "raybundle/device/checked_file.hpp"
 #include "raybundle/occupancy/case_base.hpp"
 
 namespace raybundle {
+
+inline constexpr FileKind kCaseBaseKind{"RBOCCUPY", 3, "base of occupancy cases", "raybundle occupancy learn"};
 
 /// The bytes of a file of learnt cases, in the container of checked_file.hpp. Format: docs/formats/occupancy.md.
 std::string bytes_from_case_base(const CaseBase& base);
