@@ -118,7 +118,7 @@ struct GreyVideo::Data {
 GreyVideo::GreyVideo(const std::string& path) {
   constexpr const char* kQuiet = "-8";
   setenv("OPENCV_FFMPEG_LOGLEVEL", kQuiet, 0);
-  data_ = std::make_unique<Data>(cv::VideoCapture(path, cv::CAP_FFMPEG), cv::Mat());
+  data_.reset(new Data{cv::VideoCapture(path, cv::CAP_FFMPEG), {}});
 }
 GreyVideo::~GreyVideo() = default;
 
