@@ -138,15 +138,21 @@ TEST(ReconstructStereo, WritesWhatItSaysForARealFisheyePair) {
   EXPECT_LE(cv::countNonZero(depth), json.at("points").get<int>());
 }
 
+// Calibrates a pair of cameras by their first nine images of the board; the folder holds out/calibration.json.
+fs::path calibrated_pairs(const std::string& images) {
+  const fs::path folder = fresh_folder();
+  calibrate(folder, {"--target", "chessboard:9x6:25mm", "--camera", "left=" + images + "left0?.jpg", "--camera",
+                     "right=" + images + "right0?.jpg", "--model", "brown_conrady"});
+  return folder;
+}
+
 // Images of two rooms: what little matches is chance, and the gate has to say so.
 TEST(ReconstructStereo, FailsTheGateForImagesThatHaveNothingInCommon) {
   RAYBUNDLE_NEEDS_DATA("opencv_stereo_chess");
   RAYBUNDLE_NEEDS_DATA("boofcv_stereo/Bumblebee2_Chess");
-  const fs::path folder = fresh_folder();
   const std::string images = real_data("opencv_stereo_chess").string() + "/";
   const std::string other = real_data("boofcv_stereo/Bumblebee2_Chess").string() + "/right01.jpg";
-  calibrate(folder, {"--target", "chessboard:9x6:25mm", "--camera", "left=" + images + "left0?.jpg", "--camera",
-                     "right=" + images + "right0?.jpg", "--model", "brown_conrady"});
+  const fs::path folder = calibrated_pairs(images);
   const auto run = [&](const std::string& right, const std::string& out) {
     return raybundle_program({"reconstruct", "stereo", (folder / "out" / "calibration.json").string(),
                               images + "left01.jpg", right, "-o", (folder / out).string()});
@@ -160,10 +166,8 @@ TEST(ReconstructStereo, FailsTheGateForImagesThatHaveNothingInCommon) {
 // Some of what is exchanged matches by chance, more than the gate asks for.
 TEST(ReconstructStereo, SaysThatLeftAndRightAreExchanged) {
   RAYBUNDLE_NEEDS_DATA("opencv_stereo_chess");
-  const fs::path folder = fresh_folder();
   const std::string images = real_data("opencv_stereo_chess").string() + "/";
-  calibrate(folder, {"--target", "chessboard:9x6:25mm", "--camera", "left=" + images + "left0?.jpg", "--camera",
-                     "right=" + images + "right0?.jpg", "--model", "brown_conrady"});
+  const fs::path folder = calibrated_pairs(images);
   const auto run = [&](const char* left, const char* right) {
     return raybundle_program({"reconstruct", "stereo", (folder / "out" / "calibration.json").string(), images + left,
                               images + right, "-o", (folder / "points").string(), "--least-matched", "1"});
@@ -178,10 +182,8 @@ TEST(ReconstructStereo, SaysThatLeftAndRightAreExchanged) {
 // A folder of images as people have them: with a note in it, and one image from somewhere else.
 TEST(ReconstructStereo, TakesTheImagesOfFolders) {
   RAYBUNDLE_NEEDS_DATA("opencv_stereo_chess");
-  const fs::path folder = fresh_folder();
   const std::string images = real_data("opencv_stereo_chess").string() + "/";
-  calibrate(folder, {"--target", "chessboard:9x6:25mm", "--camera", "left=" + images + "left0?.jpg", "--camera",
-                     "right=" + images + "right0?.jpg", "--model", "brown_conrady"});
+  const fs::path folder = calibrated_pairs(images);
   for (const std::string side : {"left", "right"}) {
     fs::create_directory(folder / side);
     for (const char* number : {"01", "02"}) {
@@ -213,10 +215,8 @@ TEST(ReconstructStereo, TakesTheImagesOfFolders) {
 TEST(ReconstructStereo, ShowsASequenceInABrowser) {
   RAYBUNDLE_NEEDS_DATA("opencv_stereo_chess");
   if (browser_name().empty()) GTEST_SKIP() << "there is no Chromium on this machine";
-  const fs::path folder = fresh_folder();
   const std::string images = real_data("opencv_stereo_chess").string() + "/";
-  calibrate(folder, {"--target", "chessboard:9x6:25mm", "--camera", "left=" + images + "left0?.jpg", "--camera",
-                     "right=" + images + "right0?.jpg", "--model", "brown_conrady"});
+  const fs::path folder = calibrated_pairs(images);
   const ProgramRun run = raybundle_program({"reconstruct", "stereo", (folder / "out" / "calibration.json").string(),
                                             images + "left0[1-3].jpg", images + "right0[1-3].jpg", "-o",
                                             (folder / "points").string(), "--width", "320"});
