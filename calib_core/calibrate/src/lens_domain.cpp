@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "camera_corners.hpp"
 #include "raybundle/bundle/parameters.hpp"
 #include "raybundle/camera/plane_distortion.hpp"
 #include "raybundle/initialize/other_optima.hpp"
@@ -27,23 +28,6 @@ constexpr bool has_denominator(const void*) { return false; }
 // Whether a model's profile can have a pole. Where a polynomial turns back all corners tell together, and rightly.
 bool can_have_pole(ModelId model) {
   return with_model(model, []<CameraModel M>() { return has_denominator(static_cast<const M*>(nullptr)); });
-}
-
-// Calls visit(point in the camera, view, index) for each corner of a camera's views in use.
-template <typename Visitor>
-void for_each_corner(const CalibrationProblem& problem, const BundleState& state, int camera, const Visitor& visit) {
-  for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
-    const TargetView& view = problem.views[v];
-    if (view.camera != camera || state.pose_of_view[v] < 0) continue;
-    const Rigid3 pose = camera_from_target(problem, state, v);
-    const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
-    for (std::size_t i = 0; i < view.observations.size(); ++i) {
-      const TargetPoint& point = *problem.targets[view.target].find(view.observations[i].point_id);
-      Eigen::Vector3d x = rotation * point.x_in_target;
-      if (!point.infinitely_far) x += pose.translation;
-      visit(x, v, i);
-    }
-  }
 }
 
 // Indices of the free coefficients of a camera's radial profile, the last first.
@@ -75,13 +59,7 @@ struct Simpler {
 // reaches beyond the corners.
 bool give_up_until_beyond(const BundleState& state, int camera, const std::vector<int>& coefficients,
                           const SolveFunction& solve, Simpler& simpler) {
-  std::vector<Eigen::Vector3d> rays;  // of corners that are not known to be wrong
-  std::vector<Eigen::Vector2d> pixels;
-  for_each_corner(simpler.problem, state, camera, [&](const Eigen::Vector3d& x, int v, std::size_t i) {
-    if (state.fates[v][i] == ObservationFate::kOutlier) return;
-    rays.push_back(x.normalized());
-    pixels.push_back(simpler.problem.views[v].observations[i].pixel);
-  });
+  const CameraCorners corners = right_corners(simpler.problem, state, camera);
   const Camera& lens = state.cameras[camera];
   const std::vector<std::string_view> names = parameter_names(lens.model);
   std::vector<int> zeros;  // with those that were given up before
@@ -95,7 +73,7 @@ bool give_up_until_beyond(const BundleState& state, int camera, const std::vecto
       simpler.problem.rules.push_back({name, ParameterRule::Kind::kFixed, 0.0, 0.0});
     }
     simpler.state = state;
-    simpler.state.cameras[camera] = fitted_anew(lens, rays, pixels, zeros);
+    simpler.state.cameras[camera] = fitted_anew(lens, corners.rays, corners.pixels, zeros);
     mark_projectable(simpler.problem, simpler.state);
     simpler.summary = solve(simpler.problem, simpler.state);
     if (simpler.reaches_beyond_corners(camera)) return true;
@@ -108,9 +86,7 @@ bool give_up_until_beyond(const BundleState& state, int camera, const std::vecto
 bool ends_among_corners(const CalibrationProblem& problem, const BundleState& state, int camera) {
   if (!can_have_pole(state.cameras[camera].model)) return false;
   double cosine = 1.0;  // of the farthest corner's angle off the axis
-  for_each_corner(problem, state, camera, [&](const Eigen::Vector3d& x, int v, std::size_t i) {
-    if (state.fates[v][i] == ObservationFate::kUsed) cosine = std::min(cosine, x.z() / x.norm());
-  });
+  for (const Eigen::Vector3d& ray : used_corners(problem, state, camera).rays) cosine = std::min(cosine, ray.z());
   const double farthest_rad = std::acos(cosine);
   const double wanted_rad = kBeyond * farthest_rad;
   // A rectilinear lens that has no end reaches just 90 degrees.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "camera_corners.hpp"
 #include "lens_certainty.hpp"
 #include "lower_optima.hpp"
 #include "raybundle/calibrate/lens_domain.hpp"
@@ -28,36 +29,6 @@ constexpr double kReadmitted = 4.0;      // times the limit of outliers
 constexpr double kMirroredGain = 1e-6;   // relative: by which a mirrored board's squares must be smaller
 constexpr double kSameNoise = 1.02;      // a lens that keeps more corners may leave so much more in them
 
-/// Corners of a view.
-struct Corners {
-  std::vector<Eigen::Vector3d> points;  // in the target [m]
-  std::vector<Eigen::Vector2d> pixels;
-};
-
-// Those whose fate is a wanted one.
-template <typename Wanted>
-Corners corners_of(const CalibrationProblem& problem, const BundleState& state, std::size_t v, const Wanted& wanted) {
-  Corners corners;
-  const TargetView& view = problem.views[v];
-  for (std::size_t i = 0; i < view.observations.size(); ++i) {
-    if (!wanted(state.fates[v][i])) continue;
-    corners.points.push_back(problem.targets[view.target].find(view.observations[i].point_id)->x_in_target);
-    corners.pixels.push_back(view.observations[i].pixel);
-  }
-  return corners;
-}
-
-Corners used_corners(const CalibrationProblem& problem, const BundleState& state, std::size_t v) {
-  return corners_of(problem, state, v, [](ObservationFate fate) { return fate == ObservationFate::kUsed; });
-}
-
-// Where the points of a posed view's corners lie, seen from the camera.
-void append_rays(const BundleState& state, std::size_t v, const std::vector<Eigen::Vector3d>& points,
-                 std::vector<Eigen::Vector3d>& rays) {
-  const Rigid3& camera_from_target = state.poses[state.pose_of_view[v]].rig_from_target;
-  for (const Eigen::Vector3d& point : points) rays.push_back((camera_from_target * point).normalized());
-}
-
 std::size_t count_used(const BundleState& state) {
   std::size_t used = 0;
   for (const std::vector<ObservationFate>& fates : state.fates) {
@@ -78,9 +49,15 @@ std::vector<Mirrored> mirrored_of(const CalibrationProblem& single, const Bundle
   for (std::size_t v = 0; v < single.views.size(); ++v) {
     const int pose = state.pose_of_view[v];
     if (pose < 0) continue;
-    const Corners used = used_corners(single, state, v);
-    const auto mirrored =
-        find_mirrored_pose(state.cameras[0], used.points, used.pixels, state.poses[pose].rig_from_target);
+    const TargetView& view = single.views[v];
+    std::vector<Eigen::Vector3d> points;  // in the target
+    std::vector<Eigen::Vector2d> pixels;
+    for (std::size_t i = 0; i < view.observations.size(); ++i) {
+      if (state.fates[v][i] != ObservationFate::kUsed) continue;
+      points.push_back(single.targets[view.target].find(view.observations[i].point_id)->x_in_target);
+      pixels.push_back(view.observations[i].pixel);
+    }
+    const auto mirrored = find_mirrored_pose(state.cameras[0], points, pixels, state.poses[pose].rig_from_target);
     if (mirrored) found.push_back({v, mirrored->camera_from_target, mirrored->squares_ratio - 1.0});
   }
   return found;
@@ -186,17 +163,9 @@ void win_back_unprojectable(const CalibrationProblem& single, BundleState& state
     lost = state.pose_of_view[v] >= 0 && std::ranges::count(state.fates[v], ObservationFate::kUnprojectable) > 0;
   }
   if (!lost) return;
-  std::vector<Eigen::Vector3d> rays;
-  std::vector<Eigen::Vector2d> pixels;
-  for (std::size_t v = 0; v < single.views.size(); ++v) {
-    if (state.pose_of_view[v] < 0) continue;
-    const Corners right =
-        corners_of(single, state, v, [](ObservationFate fate) { return fate != ObservationFate::kOutlier; });
-    append_rays(state, v, right.points, rays);
-    pixels.insert(pixels.end(), right.pixels.begin(), right.pixels.end());
-  }
+  const CameraCorners corners = right_corners(single, state, 0);
   BundleState other = state;
-  other.cameras[0] = fitted_anew(state.cameras[0], rays, pixels);
+  other.cameras[0] = fitted_anew(state.cameras[0], corners.rays, corners.pixels);
   mark_projectable(single, other);
   if (count_used(other) <= count_used(state)) return;
   if (solve_robustly(single, other, options).termination == Termination::kFailed) return;
@@ -213,10 +182,7 @@ void win_back_unprojectable(const CalibrationProblem& single, BundleState& state
 }  // namespace
 
 std::vector<Eigen::Vector3d> rays_seen(const CalibrationProblem& single, const BundleState& state) {
-  std::vector<Eigen::Vector3d> rays;
-  for (std::size_t v = 0; v < single.views.size(); ++v) {
-    if (state.pose_of_view[v] >= 0) append_rays(state, v, used_corners(single, state, v).points, rays);
-  }
+  const std::vector<Eigen::Vector3d> rays = used_corners(single, state, 0).rays;
   const std::size_t stride = rays.size() / kMostRays + 1;
   std::vector<Eigen::Vector3d> some;
   for (std::size_t i = 0; i < rays.size(); i += stride) some.push_back(rays[i]);

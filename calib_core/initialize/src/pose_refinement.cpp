@@ -81,7 +81,7 @@ double refine_on_rays(std::span<const Eigen::Vector3d> points_in_target,
       const double decrease = -equations.gradient.dot(step);  // that the equations promise
       if (!(std::abs(decrease) > kNoDecrease * cost)) break;
       const Rigid3 moved = perturbed(pose, step);
-      const bool last = iteration + 1 == max_iterations || decrease < settled * cost;
+      const bool last = iteration + 1 == max_iterations || std::abs(decrease) < settled * cost;
       PoseEquations moved_equations;
       const double moved_cost =
           chord_cost(points_in_target, rays_in_camera, moved, scale_rad, last ? nullptr : &moved_equations);
