@@ -91,18 +91,6 @@ ImageSize size_of_most(int camera, const std::string& name, const std::vector<Im
                           sizes[1].size.width, sizes[1].size.height));
 }
 
-void refuse_shared_images(const Dataset& dataset, const std::vector<ImageFile>& files) {
-  std::map<std::string, int> camera_of;
-  for (const ImageFile& file : files) {
-    const int other = camera_of.emplace(file.path, file.camera).first->second;
-    if (other == file.camera) continue;
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("is given to camera {} and to camera {}; narrow the pattern of one",
-                            dataset.cameras[other].name, dataset.cameras[file.camera].name),
-                file.path);
-  }
-}
-
 int index_of(const std::vector<std::string>& names, const std::string& name) {
   return static_cast<int>(std::ranges::find(names, name) - names.begin());
 }
@@ -132,7 +120,9 @@ DetectedImages detect_images(const Dataset& dataset, const DetectOptions& option
     const std::vector<ImageFile> files = image_files(c, dataset.folder, dataset.cameras[c].images);
     images.files.insert(images.files.end(), files.begin(), files.end());
   }
-  refuse_shared_images(dataset, images.files);
+  std::vector<std::string> names;
+  for (const DatasetCamera& camera : dataset.cameras) names.push_back(camera.name);
+  refuse_shared_images(images.files, names);
   std::vector<std::string> unreadable;
   const std::vector<std::vector<CachedFrame>> found = detect_files(dataset, options, images.files, unreadable);
 

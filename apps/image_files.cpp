@@ -160,6 +160,18 @@ std::vector<ImageFile> images_in_folder(int camera, const std::string& folder) {
   return files_of_camera(camera, paths);
 }
 
+void refuse_shared_images(const std::vector<ImageFile>& files, const std::vector<std::string>& cameras) {
+  std::map<std::string, int> camera_of;
+  for (const ImageFile& file : files) {
+    const int other = camera_of.emplace(file.path, file.camera).first->second;
+    if (other == file.camera) continue;
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("is given to camera {} and to camera {}; narrow the pattern of one", cameras[other],
+                            cameras[file.camera]),
+                file.path);
+  }
+}
+
 cv::Mat read_gray(const std::string& path, std::string& reason) {
   if (truncated(path)) {
     reason = "the image file is truncated";

@@ -36,6 +36,10 @@ std::vector<ImageFile> image_files(int camera, const std::string& folder, const 
 /// @throws Error(kIo) when there are none; Error(kBadInput) as image_files
 std::vector<ImageFile> images_in_folder(int camera, const std::string& folder);
 
+/// @param cameras  their names
+/// @throws Error(kBadInput) naming an image that two cameras have
+void refuse_shared_images(const std::vector<ImageFile>& files, const std::vector<std::string>& cameras);
+
 /// An 8- or 16-bit grey image; empty, with the reason set, when the file is truncated or no image.
 cv::Mat read_gray(const std::string& path, std::string& reason);
 

@@ -9,6 +9,7 @@
 #include "mesh_files.hpp"
 #include "page_text.hpp"
 #include "raybundle/geometry/error.hpp"
+#include "state_name.hpp"
 
 namespace raybundle::apps {
 namespace {
@@ -81,11 +82,6 @@ PointMesh mesh_of(const LaserFrame& frame, const SensorTable& table) {
 }
 
 }  // namespace
-
-const char* state_name(State state) {
-  static constexpr const char* kNames[] = {"OK", "DEGRADED", "INVALID"};
-  return kNames[static_cast<int>(state)];
-}
 
 LaserFrameFiles laser_frame_files(const LaserFrame& frame, const SensorTable& table, const std::string& image,
                                   const cv::Mat& grey) {

@@ -9,9 +9,6 @@
 
 namespace raybundle::apps {
 
-/// OK, DEGRADED or INVALID.
-const char* state_name(State state);
-
 /// What one image says, as texts and bytes of files. The formats: docs/formats/laser_points.md.
 struct LaserFrameFiles {
   std::string json;

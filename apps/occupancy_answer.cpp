@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "laser_frame_files.hpp"
+#include "state_name.hpp"
 
 namespace raybundle::apps {
 namespace {

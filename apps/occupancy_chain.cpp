@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "occupancy_chain.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "raybundle/stereo/stereo.hpp"
 #include "raybundle/structured_light/structured_light.hpp"
+#include "thinning.hpp"
 
 namespace raybundle::apps {
 
@@ -33,11 +33,6 @@ Bytes bytes_of(const GreyImage& image) {
 
 CabinPart part_of(const CabinScene& scene, const CabinHit& hit) {
   return hit.mesh < 0 ? CabinPart::kCar : scene.cockpit().meshes[hit.mesh].part;
-}
-
-// Every so-and-so-many-th pixel, each way, so that so many points remain.
-int step_of(int matched, int most_points) {
-  return most_points == 0 ? 1 : std::max(1, static_cast<int>(std::ceil(std::sqrt(1.0 * matched / most_points))));
 }
 
 StereoOptions stereo_options(const Calibration& calibration) {
@@ -125,7 +120,7 @@ void ChainSource::measure_pair(const CabinScene& scene, double time_s, MeasuredS
   const Rigid3 true_from_rectified = sensor_.vehicle_from_rig * rig_from_rectified;
   std::vector<Eigen::Vector3d> directions;
   measured.viewpoint_in_vehicle = vehicle_from_rectified.translation;
-  const int step = step_of(frame.disparity.matched, request_.most_points);
+  const int step = request_.most_points == 0 ? 1 : thinning_step(frame.disparity.matched, request_.most_points);
   const int columns = frame.points.width / step, rows = frame.points.height / step;
   measured.rays = columns * rows;
   measured.state = frame.state;

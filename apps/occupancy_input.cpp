@@ -10,18 +10,10 @@
 
 #include "points_json.hpp"
 #include "raybundle/geometry/error.hpp"
+#include "state_name.hpp"
 #include "vehicle_file.hpp"
 
 namespace raybundle::apps {
-namespace {
-
-constexpr double kFarthest_m = 1e4;
-
-State state_of(const std::string& word) {
-  return word == "OK" ? State::kOk : word == "DEGRADED" ? State::kDegraded : State::kInvalid;
-}
-
-}  // namespace
 
 InstalledSensor read_installed_sensor(const std::string& path) {
   const toml::table file = vehicle_file(path);
@@ -39,7 +31,7 @@ InstalledSensor read_installed_sensor(const std::string& path) {
 PointFrame read_point_frame(const std::string& path, const InstalledSensor& sensor) {
   PointFrame frame;
   read_points_json(path, kLaserPoints, [&](const nlohmann::json& json) {
-    frame.state = state_of(json.at("state"));
+    frame.state = state_named(json.at("state").get<std::string>());
     if (json.at("rows") != sensor.rows || json.at("columns") != sensor.columns) {
       throw Error(ErrorKind::kBadInput,
                   fmt::format("is of a laser of {} rows and {} columns; vehicle.toml says {} and {}",
@@ -58,9 +50,10 @@ PointFrame read_point_frame(const std::string& path, const InstalledSensor& sens
       }
       const std::array<double, 3> x = point.at("x_in_camera_m");
       const std::array<double, 9> covariance = point.at("covariance_m2");
-      if (!(std::hypot(x[0], x[1], x[2]) < kFarthest_m)) {
+      if (!(std::hypot(x[0], x[1], x[2]) < kFarthestPoint_m)) {
         throw Error(ErrorKind::kBadInput,
-                    fmt::format("row {}, column {} lies beyond {:g} m; make it again", row, column, kFarthest_m), path);
+                    fmt::format("row {}, column {} lies beyond {:g} m; make it again", row, column, kFarthestPoint_m),
+                    path);
       }
       frame.points.push_back({row * sensor.columns + column, sensor.vehicle_from_camera * Eigen::Vector3d(x.data()),
                               std::sqrt(covariance[0] + covariance[4] + covariance[8])});

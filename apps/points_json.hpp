@@ -16,6 +16,8 @@ struct PointsFormat {
 inline constexpr PointsFormat kLaserPoints{"raybundle laser points", "structured-light"};
 inline constexpr PointsFormat kStereoPoints{"raybundle stereo points", "stereo"};
 
+inline constexpr double kFarthestPoint_m = 1e4;  ///< what a file holds beyond is damaged
+
 /// Reads JSON of a format.
 ///
 /// @param use  takes what it needs; what is missing there or of another type makes the file a damaged one

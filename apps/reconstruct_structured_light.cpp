@@ -17,6 +17,7 @@
 #include "raybundle/geometry/quantile.hpp"
 #include "reconstruct.hpp"
 #include "sensor_input.hpp"
+#include "state_name.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "raybundle/occupancy/seat_boxes.hpp"
+#include "thinning.hpp"
 #include "vehicle_file.hpp"
 
 namespace raybundle::apps {
@@ -15,7 +16,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kMostPoints = 20000;  // of a scan: more cost time and tell no more of things as large as heads
 constexpr double kDegree = M_PI / 180.0;
 
 Json list(const Eigen::Vector3d& x) { return {x.x(), x.y(), x.z()}; }
@@ -69,8 +69,7 @@ CabinWatch::CabinWatch(const StereoCabin& cabin, const Rectification& pair)
 
 Scan CabinWatch::scan_of(const StereoFrame& frame) {
   points_.clear();
-  const int matched = std::max(1, frame.disparity.matched);
-  const int step = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(matched) / kMostPoints)));
+  const int step = thinning_step(frame.disparity.matched, kMostCabinPoints);
   const int columns = frame.points.width / step, rows = frame.points.height / step;
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "laser_frame_files.hpp"
+#include "state_name.hpp"
 
 namespace raybundle::apps {
 namespace {

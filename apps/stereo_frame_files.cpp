@@ -11,18 +11,21 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "laser_frame_files.hpp"
 #include "page_text.hpp"
 #include "points_json.hpp"
 #include "pose_json.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/quantile.hpp"
+#include "state_name.hpp"
+#include "stereo_ply.hpp"
 #include "terminal.hpp"
 
 namespace raybundle::apps {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kEndings[] = {"_left.png", "_right.png", "_disparity.png", "_depth.png", ".ply", ".json"};
 
 std::string png_from(const cv::Mat& image) {
   std::vector<unsigned char> bytes;
@@ -51,26 +54,6 @@ std::string png_of_values(const StereoFrame& frame, Value&& value) {
     }
   }
   return png_from(image);
-}
-
-std::string ply_from(const StereoFrame& frame, int points) {
-  std::string ply = fmt::format(
-      "ply\nformat binary_little_endian 1.0\n"
-      "comment metres in the rectified frame: x along the baseline, y down, z forward, from the left camera\n"
-      "element vertex {}\nproperty float x\nproperty float y\nproperty float z\nproperty float sigma\n"
-      "property uchar grey\nend_header\n",
-      points);
-  for (int v = 0; v < frame.points.height; ++v) {
-    for (int u = 0; u < frame.points.width; ++u) {
-      const StereoPoint& point = frame.points.at(u, v);
-      if (point.sigma_m == 0) continue;
-      std::array<char, sizeof point + 1> record{};
-      std::memcpy(record.data(), &point, sizeof point);
-      record.back() = static_cast<char>(frame.left.at(u, v));
-      ply.append(record.data(), record.size());
-    }
-  }
-  return ply;
 }
 
 nlohmann::ordered_json rectification_json(const Rectification& pair) {
@@ -125,8 +108,17 @@ StereoFrameFiles stereo_frame_files(const StereoFrame& frame, const StereoMatche
           png_from(frame.right),
           png_of_values(frame, [&](int u, int v) { return 256.0 * frame.disparity_px().at(u, v); }),
           png_of_values(frame, [&](int u, int v) { return 1000.0 * depth_of(frame.points.at(u, v), projection); }),
-          ply_from(frame, static_cast<int>(depths.size())),
+          stereo_ply(frame),
           text_of_json(json, 1) + "\n"};
+}
+
+std::vector<WholeFile> named_files(const fs::path& folder, const std::string& name, const StereoFrameFiles& files) {
+  const std::string_view bytes[] = {files.left_png,  files.right_png, files.disparity_png,
+                                    files.depth_png, files.ply,       files.json};
+  static_assert(std::size(bytes) == std::size(kEndings));
+  std::vector<WholeFile> named;
+  for (std::size_t i = 0; i < std::size(kEndings); ++i) named.push_back({folder / (name + kEndings[i]), bytes[i]});
+  return named;
 }
 
 void remove_former_frames(const fs::path& folder, const std::set<std::string>& names) {
@@ -139,9 +131,7 @@ void remove_former_frames(const fs::path& folder, const std::set<std::string>& n
     if (json.is_object() && json.contains("format") && json["format"] == kStereoPoints.name) former.push_back(name);
   }
   for (const std::string& name : former) {
-    for (const char* ending : {".json", ".ply", "_left.png", "_right.png", "_disparity.png", "_depth.png"}) {
-      fs::remove(folder / (name + ending));
-    }
+    for (const char* ending : kEndings) fs::remove(folder / (name + ending));
   }
   if (!former.empty()) say(fmt::format("removed {} frames of a former run from {}", former.size(), folder.string()));
 }

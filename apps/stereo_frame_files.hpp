@@ -6,7 +6,9 @@
 #include <nlohmann/json_fwd.hpp>
 #include <set>
 #include <string>
+#include <vector>
 
+#include "raybundle/scene/atomic_file.hpp"
 #include "raybundle/stereo/stereo.hpp"
 
 namespace raybundle::apps {
@@ -24,6 +26,10 @@ struct StereoFrameFiles {
 /// @param left, right  the paths, for the record
 StereoFrameFiles stereo_frame_files(const StereoFrame& frame, const StereoMatcher& matcher, const std::string& left,
                                     const std::string& right, const nlohmann::ordered_json& more);
+
+/// The files as they are called in a folder, with the frame's name before their endings.
+std::vector<WholeFile> named_files(const std::filesystem::path& folder, const std::string& name,
+                                   const StereoFrameFiles& files);
 
 /// Removes what a former run left in the folder of frames that this one has not: they would be taken for more of the
 /// sequence.

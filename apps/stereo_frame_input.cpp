@@ -6,8 +6,6 @@
 
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -16,6 +14,8 @@
 #include "pose_json.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/scene/csv.hpp"
+#include "state_name.hpp"
+#include "stereo_ply.hpp"
 
 namespace raybundle::apps {
 namespace {
@@ -23,8 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kMostPixels = 1 << 14, kMostOfAll = 1 << 25;  // each way, and in all
-constexpr double kFarthest_m = 1e4;
-constexpr std::size_t kRecord = sizeof(StereoPoint) + 1;
 
 [[noreturn]] void damaged(const std::string& path, const std::string& what) {
   throw Error(ErrorKind::kBadInput, what + "; make it again with `raybundle reconstruct stereo`", path);
@@ -44,7 +42,7 @@ Rectification rectification_of(const nlohmann::json& json, const std::string& pa
                      camera.size.height <= kMostPixels && camera.size.width * camera.size.height <= kMostOfAll;
   if (!projection || !sized || !(camera.focal_px > 0) || !(pair.baseline_m > 0) ||
       !(std::abs(pair.rig_from_rectified.rotation.norm() - 1) < 1e-6) ||
-      !(pair.rig_from_rectified.translation.norm() < kFarthest_m)) {
+      !(pair.rig_from_rectified.translation.norm() < kFarthestPoint_m)) {
     damaged(path, "holds a rectification that cannot be");
   }
   camera.projection = *projection;
@@ -60,8 +58,7 @@ ImageView<const Value> view_of_picture(const cv::Mat& image) {
 
 StereoFrameInput::StereoFrameInput(const std::string& path, bool pictures) {
   read_points_json(path, kStereoPoints, [&](const nlohmann::json& json) {
-    const std::string state = json.at("state");
-    state_ = state == "OK" ? State::kOk : state == "DEGRADED" ? State::kDegraded : State::kInvalid;
+    state_ = state_named(json.at("state").get<std::string>());
     rectification = rectification_of(json.at("rectification"), path);
     nearest_m = json.at("nearest_m");
     matched_ = json.at("pixels").at("matched");
@@ -77,23 +74,14 @@ StereoFrameInput::StereoFrameInput(const std::string& path, bool pictures) {
 
 // The rays of the points say which pixels they belong to.
 void StereoFrameInput::read_points(const std::string& path) {
-  constexpr const char* kVertices = "\nelement vertex ";
-  const std::string text = text_of_file(path), end = "\nend_header\n";
-  const std::size_t header = text.find(end), vertices = text.find(kVertices);
-  int count = 0;
-  if (header == std::string::npos || vertices > header ||
-      std::sscanf(text.c_str() + vertices + std::strlen(kVertices), "%9d", &count) != 1 ||
-      text.size() != header + end.size() + static_cast<std::size_t>(count) * kRecord) {
-    damaged(path, "is no PLY of points with sigma, or not all of it");
-  }
+  const auto points = points_of_stereo_ply(text_of_file(path));
+  if (!points) damaged(path, "is no PLY of points with sigma, or not all of it");
   const RectifiedCamera& camera = rectification.camera;
   points_.resize(static_cast<std::size_t>(camera.size.width) * static_cast<std::size_t>(camera.size.height));
-  for (std::size_t at = header + end.size(); at < text.size(); at += kRecord) {
-    StereoPoint point;
-    std::memcpy(&point, text.data() + at, sizeof point);
+  for (const StereoPoint& point : *points) {
     const Eigen::Vector3d x(point.x_m, point.y_m, point.z_m);
     const auto pixel = camera.pixel_from_ray(x);
-    if (!pixel || !camera.contains(*pixel) || !(x.norm() < kFarthest_m) || !(point.sigma_m > 0)) {
+    if (!pixel || !camera.contains(*pixel) || !(x.norm() < kFarthestPoint_m) || !(point.sigma_m > 0)) {
       damaged(path, "holds points that the rectified image does not show");
     }
     const auto u = static_cast<std::size_t>(std::lround(pixel->x())),

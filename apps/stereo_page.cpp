@@ -9,10 +9,10 @@
 #include <opencv2/imgproc.hpp>
 #include <string_view>
 
-#include "laser_frame_files.hpp"
 #include "occupancy_answer.hpp"
 #include "page_text.hpp"
 #include "raybundle/geometry/quantile.hpp"
+#include "state_name.hpp"
 
 namespace raybundle::apps {
 namespace {

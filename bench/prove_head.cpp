@@ -20,6 +20,7 @@
 #include "raybundle/geometry/quantile.hpp"
 #include "raybundle/occupancy/head.hpp"
 #include "support/bar.hpp"
+#include "thinning.hpp"
 
 namespace {
 
@@ -32,7 +33,6 @@ constexpr double kLeastFound = 0.95, kMostFalse = 0.01;
 constexpr double kLeastWithin[] = {0.60, 0.90, 0.97};     // at least, of one, two and three sigmas
 constexpr double kChiSquared[] = {3.527, 8.025, 14.156};  // 68.3, 95.4 and 99.7 % of three normal variables
 constexpr ImageSize kSize{640, 480};
-constexpr int kMostPoints = 20000;           // of a frame
 constexpr int kVisible = 100;                // points on a head that is seen well
 constexpr std::uint64_t kSeed = 2000000000;  // of the first scene
 constexpr int kThreads = 2;
@@ -56,7 +56,7 @@ Eigen::Vector3d foremost_of(const Eigen::Vector3d& centre, const Eigen::Matrix3d
 }
 
 Trial trial(CockpitGenerator generator, CabinClass wanted, std::uint64_t seed, ImageSize size) {
-  const SceneRequest request{SensorKind::kStereo, {generator, seed, wanted, 0.0}, {11, 11}, size, kMostPoints};
+  const SceneRequest request{SensorKind::kStereo, {generator, seed, wanted, 0.0}, {11, 11}, size, kMostCabinPoints};
   const MeasuredScene scene = ChainSource(request).at(0.0);
   const SeatSetting& set = scene.truth.seat;
   const SeatPose seat{{set.bight.x(), set.bight.z()}, set.recline_rad, set.cushion_pitch_rad};

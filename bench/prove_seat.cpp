@@ -16,6 +16,7 @@
 #include "occupancy_chain.hpp"
 #include "raybundle/occupancy/seat_fit.hpp"
 #include "support/bar.hpp"
+#include "thinning.hpp"
 
 namespace {
 
@@ -25,7 +26,7 @@ using namespace raybundle::bench;
 
 constexpr double kMost_m = 0.01, kMost_rad = 2 * M_PI / 180, kLeastFound = 0.95, kLeastRight = 0.95;
 constexpr double kMostFalse = 0.01, kLeastCovered = 0.90, kFrame_s = 0.1;
-constexpr int kEmptyFrames = 4, kOccupiedFrames = 2, kThreads = 2, kMostPoints = 20000;
+constexpr int kEmptyFrames = 4, kOccupiedFrames = 2, kThreads = 2;
 constexpr ImageSize kSize{640, 480}, kSmallSize{128, 128};
 constexpr std::uint64_t kSeed = 2100000000;
 constexpr CabinClass kOccupied[] = {CabinClass::kPassenger, CabinClass::kOutOfPosition, CabinClass::kChildInBooster,
@@ -51,7 +52,8 @@ struct Trial {
 
 // The same seed is the same car with the same seat, whoever sits on it.
 Trial trial(CockpitGenerator generator, std::uint64_t seed, CabinClass wanted, ImageSize size) {
-  ChainSource source({SensorKind::kStereo, {generator, seed, CabinClass::kEmpty, 0.0}, {11, 11}, size, kMostPoints});
+  ChainSource source(
+      {SensorKind::kStereo, {generator, seed, CabinClass::kEmpty, 0.0}, {11, 11}, size, kMostCabinPoints});
   SeatWatch watch, late_watch;
   Trial trial;
   for (int frame = 0; frame < kEmptyFrames + kOccupiedFrames; ++frame) {
