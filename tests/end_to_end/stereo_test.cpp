@@ -210,6 +210,7 @@ TEST(ReconstructStereo, TakesTheImagesOfFolders) {
   const ProgramRun none = run((folder / "empty").string(), (folder / "points").string());
   EXPECT_EQ(none.exit_code, 5);
   EXPECT_NE(none.err.find("holds no images"), std::string::npos) << none.err;
+  EXPECT_TRUE(fs::exists(folder / "points" / "stereo.html")) << "a run without a frame leaves the former one's page";
 }
 
 TEST(ReconstructStereo, ShowsASequenceInABrowser) {
