@@ -2,9 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cameras_alone.hpp"
 
+#include <algorithm>
+#include <iterator>
+
 #include "lens_certainty.hpp"
 #include "local_optima.hpp"
 #include "raybundle/calibrate/lens_domain.hpp"
+#include "raybundle/calibrate/lens_prior.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/initialize/camera_start.hpp"
 #include "robust_solve.hpp"
@@ -13,6 +17,8 @@
 
 namespace raybundle {
 namespace {
+
+constexpr int kMostWeighings = 4;  // of the prior, until the noise is that of the corners
 
 CameraStart start_of(const CalibrationProblem& single, std::vector<StageTime>& stages) {
   const Stopwatch stopwatch(stages, "start");
@@ -46,12 +52,17 @@ void solve_camera_alone(const CalibrationProblem& problem, int camera, const Cal
   const Stopwatch stopwatch(stages, "solve");
   BundleState state = state_from_start(single.problem, start);
   std::vector<std::string> reasons = start.reasons;
+  weigh_lens_prior(single.problem, state, 0);
   solve_robustly(single.problem, state, options);
   if (give_second_chance(single.problem, state, options, reasons)) solve_robustly(single.problem, state, options);
-  const BundleSummary solved = solve_without_outliers(single.problem, state, options, false, reasons);
+  BundleSummary solved = solve_without_outliers(single.problem, state, options, false, reasons);
+  for (int round = 0; round < kMostWeighings && weigh_lens_prior(single.problem, state, 0); ++round) {
+    solved = solve_without_outliers(single.problem, state, options, false, reasons);
+  }
   CameraOptimum optimum = leave_local_optima(single.problem, state, options, reasons, solved);
   alone.given_up[camera] = keep_lens_beyond_corners(single.problem, state, options, reasons, optimum);
   alone.summaries[camera] = optimum.summary;
+  std::ranges::copy(single.problem.lens_priors, std::back_inserter(alone.lens_priors));
   if (problem.cameras.size() == 1) refuse_open_lens(single.problem, state, optimum.projection_sigma_px);
   alone.cameras[camera] = state.cameras[0];
   std::vector<std::optional<Rigid3>> mirrored(single.views.size());
