@@ -33,7 +33,8 @@ std::vector<ParameterRule> keep_lens_beyond_corners(CalibrationProblem& single, 
   std::vector<ParameterRule> given_up(simpler.rules.begin() + static_cast<std::ptrdiff_t>(single.rules.size()),
                                       simpler.rules.end());
   // With all coefficients there may be such a lens farther away, and a better one.
-  if (!given_up.empty() && move_to_lower_alike(single, state, options, optimum.summary)) given_up.clear();
+  optimum.projection_sigma_px = projection_sigma_px(single, state, options.threads);
+  if (!given_up.empty() && move_to_lower_alike(single, state, options, optimum)) given_up.clear();
   if (!given_up.empty()) single = std::move(simpler);
   optimum = leave_local_optima(single, state, options, reasons, optimum.summary);
   return given_up;

@@ -19,6 +19,8 @@ namespace {
 
 constexpr double kOpenShare = 0.02;  // of the image's longer side
 
+double open_limit_px(ImageSize size) { return kOpenShare * std::max(size.width, size.height); }
+
 /// Slopes of the pixels of rays by the intrinsics, in the order of the model, and by a turn of the camera.
 struct Slopes {
   Eigen::MatrixXd by_parameters;
@@ -67,14 +69,16 @@ double projection_sigma_px(const CalibrationProblem& single, const BundleState& 
   return std::sqrt(std::max(0.0, sum) / static_cast<double>(rays.size()));
 }
 
+bool leaves_lens_open(ImageSize size, double sigma_px) { return sigma_px > open_limit_px(size); }
+
 void refuse_open_lens(const CalibrationProblem& single, const BundleState& state, double sigma_px) {
-  const double limit_px = kOpenShare * std::max(state.cameras[0].size.width, state.cameras[0].size.height);
-  if (!(sigma_px > limit_px)) return;
+  const ImageSize size = state.cameras[0].size;
+  if (!leaves_lens_open(size, sigma_px)) return;
   throw Error(ErrorKind::kNotEnoughData,
               fmt::format("the views leave the lens open: its projection would be known to {:.0f} px only, and beyond "
                           "{:.0f} px (2 % of the image) it is of no use; tilt the board by 20 to 45 degrees in some "
                           "images, hold it near and far and in the corners, or choose a model with fewer parameters",
-                          sigma_px, limit_px),
+                          sigma_px, open_limit_px(size)),
               "camera " + single.cameras[0].name);
 }
 
