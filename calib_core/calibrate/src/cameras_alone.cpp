@@ -32,6 +32,8 @@ std::vector<ParameterRule> keep_lens_beyond_corners(CalibrationProblem& single, 
   if (!give_up_coefficients(simpler, state, 0, optimum.summary, solve)) return {};
   std::vector<ParameterRule> given_up(simpler.rules.begin() + static_cast<std::ptrdiff_t>(single.rules.size()),
                                       simpler.rules.end());
+  // The lens that was replaced may have cost views.
+  if (give_second_chance(simpler, state, options, reasons)) optimum.summary = solve(simpler, state);
   // With all coefficients there may be such a lens farther away, and a better one.
   optimum.projection_sigma_px = projection_sigma_px(single, state, options.threads);
   if (!given_up.empty() && move_to_lower_alike(single, state, options, optimum)) given_up.clear();

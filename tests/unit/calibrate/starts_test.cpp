@@ -29,6 +29,7 @@ TEST_P(HardStart, ReachesTheOptimumOfTheTruthOrIsRefusedRightly) {
 
 INSTANTIATE_TEST_SUITE_P(Rigs, HardStart,
                          ::testing::Values(HardRig{"LensesWithAPoleCrowdOutNoOthers", "rational", 57},
+                                           HardRig{"AViewThatAPoleCostComesBack", "thin_prism", 87},
                                            HardRig{"ALensMayFoldShortlyBeyondItsCorners", "rational", 2054},
                                            HardRig{"NoiseDoesNotOpenALens", "double_sphere", 2049},
                                            HardRig{"AnOptimumMayLieFarOut", "unified", 2030}),
