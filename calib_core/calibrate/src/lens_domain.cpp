@@ -14,8 +14,8 @@
 namespace raybundle {
 namespace {
 
-// Times the farthest corner's angle: nearer to where a profile turns back the image is squeezed about tenfold, and no
-// detector finds a corner.
+// Times the farthest corner's angle: nearer to where a profile turns back the image is squeezed more than tenfold, and
+// no detector finds a corner.
 constexpr double kBeyond = 1.02;
 constexpr double kPlainlyWorse = 1.2;    // times the noise under the lens that ends among its corners
 constexpr double kExact = 1e-3;          // of a corner's sigma: less noise than that is rounding

@@ -32,7 +32,8 @@ INSTANTIATE_TEST_SUITE_P(Rigs, HardStart,
                                            HardRig{"AViewThatAPoleCostComesBack", "thin_prism", 87},
                                            HardRig{"ALensMayFoldShortlyBeyondItsCorners", "rational", 2054},
                                            HardRig{"NoiseDoesNotOpenALens", "double_sphere", 2049},
-                                           HardRig{"AnOptimumMayLieFarOut", "unified", 2030}),
+                                           HardRig{"AnOptimumMayLieFarOut", "unified", 2030},
+                                           HardRig{"WrongOnesAmongFewCornersDoNotHideTheLens", "thin_prism", 82}),
                          [](const auto& rig) { return std::string(rig.param.name); });
 
 }  // namespace
