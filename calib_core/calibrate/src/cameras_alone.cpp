@@ -38,8 +38,11 @@ std::vector<ParameterRule> keep_lens_beyond_corners(CalibrationProblem& single, 
   if (!give_up_coefficients(simpler, state, 0, optimum.summary, solve)) return {};
   std::vector<ParameterRule> given_up(simpler.rules.begin() + static_cast<std::ptrdiff_t>(single.rules.size()),
                                       simpler.rules.end());
+  // The lens that was replaced may have cost views.
+  if (give_second_chance(simpler, state, options, reasons)) optimum.summary = solve(simpler, state);
   // With all coefficients there may be such a lens farther away, and a better one.
-  if (!given_up.empty() && move_to_lower_alike(single, state, options, optimum.summary)) given_up.clear();
+  optimum.projection_sigma_px = projection_sigma_px(single, state, options.threads);
+  if (!given_up.empty() && move_to_lower_alike(single, state, options, optimum)) given_up.clear();
   if (!given_up.empty()) single = std::move(simpler);
   optimum = leave_local_optima(single, state, options, reasons, optimum.summary);
   return given_up;
@@ -63,7 +66,9 @@ void solve_camera_alone(const CalibrationProblem& problem, int camera, const Cal
   alone.given_up[camera] = keep_lens_beyond_corners(single.problem, state, options, reasons, optimum);
   alone.summaries[camera] = optimum.summary;
   std::ranges::copy(single.problem.lens_priors, std::back_inserter(alone.lens_priors));
-  if (problem.cameras.size() == 1) refuse_open_lens(single.problem, state, optimum.projection_sigma_px);
+  if (problem.cameras.size() == 1) {
+    refuse_open_lens(single.problem, state, optimum.summary.termination, optimum.projection_sigma_px);
+  }
   alone.cameras[camera] = state.cameras[0];
   std::vector<std::optional<Rigid3>> mirrored(single.views.size());
   if (problem.cameras.size() > 1) mirrored = mirrored_boards(single.problem, state);

@@ -14,7 +14,9 @@
 namespace raybundle {
 namespace {
 
-constexpr double kBeyond = 1.05;         // times the farthest corner's angle: corners seldom come closer to the border
+// Times the farthest corner's angle: nearer to where a profile turns back the image is squeezed more than tenfold, and
+// no detector finds a corner.
+constexpr double kBeyond = 1.02;
 constexpr double kPlainlyWorse = 1.2;    // times the noise under the lens that ends among its corners
 constexpr double kExact = 1e-3;          // of a corner's sigma: less noise than that is rounding
 constexpr int kFirstShapeParameter = 4;  // after fx, fy, cx and cy

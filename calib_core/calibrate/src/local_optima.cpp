@@ -164,9 +164,20 @@ std::vector<Eigen::Vector3d> rays_seen(const CalibrationProblem& single, const B
 }
 
 bool move_to_lower_alike(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
-                         BundleSummary& summary) {
-  const double sigma_px = projection_sigma_px(single, state, options.threads);
-  return move_to_lower(single, state, cameras_alike(single, state, sigma_px), options, summary);
+                         CameraOptimum& optimum) {
+  CameraOptimum lower = optimum;
+  BundleState other = state;
+  const std::vector<Camera> alike = cameras_alike(single, state, optimum.projection_sigma_px);
+  if (!move_to_lower(single, other, alike, options, lower.summary)) return false;
+  lower.projection_sigma_px = projection_sigma_px(single, other, options.threads);
+  const double gain = optimum.summary.final_cost - lower.summary.final_cost;
+  const bool by_noise = 2.0 * gain < std::pow(kAlikeSigmas * robust_sigmas(single, state)[0], 2);
+  const bool opens = leaves_lens_open(state.cameras[0].size, lower.projection_sigma_px) &&
+                     !leaves_lens_open(state.cameras[0].size, optimum.projection_sigma_px);
+  if (by_noise && opens) return false;
+  state = std::move(other);
+  optimum = lower;
+  return true;
 }
 
 std::vector<std::optional<Rigid3>> mirrored_boards(const CalibrationProblem& single, const BundleState& state) {
@@ -177,28 +188,30 @@ std::vector<std::optional<Rigid3>> mirrored_boards(const CalibrationProblem& sin
 
 CameraOptimum leave_local_optima(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
                                  std::vector<std::string>& reasons, const BundleSummary& solved) {
-  BundleSummary summary = solved;
+  CameraOptimum optimum{solved, std::nan("")};
+  BundleSummary& summary = optimum.summary;
   const auto failed = [&] { return summary.termination == Termination::kFailed; };
-  if (failed()) return {summary, std::nan("")};
+  if (failed()) return optimum;
   std::vector<Mirrored> mirrored = mirrored_of(single, state);
   if (turn_mirrored_boards(state, mirrored)) {
     summary = solve_without_outliers(single, state, options, false, reasons);
-    if (failed()) return {summary, std::nan("")};
+    if (failed()) return optimum;
     mirrored = mirrored_of(single, state);
   }
   if (try_mirrored_boards(single, state, std::move(mirrored), options, summary)) {
     summary = solve_without_outliers(single, state, options, false, reasons, summary);
   }
-  std::optional<double> sigma_px;  // of the state as it is
+  const auto measure = [&] {
+    optimum.projection_sigma_px = failed() ? std::nan("") : projection_sigma_px(single, state, options.threads);
+  };
+  measure();
   for (int round = 0; round < kRounds && !failed(); ++round) {
-    sigma_px = projection_sigma_px(single, state, options.threads);
-    if (!move_to_lower(single, state, cameras_alike(single, state, *sigma_px), options, summary)) break;
-    sigma_px.reset();
+    if (!move_to_lower_alike(single, state, options, optimum)) break;
     summary = solve_without_outliers(single, state, options, false, reasons, summary);
+    measure();
   }
-  if (!failed() && readmit_corners(single, state, options, reasons, summary)) sigma_px.reset();
-  if (failed()) return {summary, std::nan("")};
-  return {summary, sigma_px ? *sigma_px : projection_sigma_px(single, state, options.threads)};
+  if (!failed() && readmit_corners(single, state, options, reasons, summary)) measure();
+  return optimum;
 }
 
 }  // namespace raybundle

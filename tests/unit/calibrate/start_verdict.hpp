@@ -8,7 +8,7 @@
 #include "random_rig.hpp"
 #include "raybundle/calibrate/calibrate.hpp"
 
-namespace raybundle::bench {
+namespace raybundle::testing {
 
 /// A camera whose projection is known worse than this share of the image's longer side, root mean square over the
 /// corners seen, is not determined: 13 px of 1280.
@@ -55,4 +55,4 @@ double projection_error_px(const RandomRig& rig, const Camera& camera);
 /// does not project.
 double cost_of(const CalibrationProblem& problem, BundleState state);
 
-}  // namespace raybundle::bench
+}  // namespace raybundle::testing

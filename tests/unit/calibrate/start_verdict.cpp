@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <limits>
 
-#include "clock.hpp"
 #include "projection.hpp"
 #include "raybundle/bundle/information.hpp"
 #include "raybundle/calibrate/lens_domain.hpp"
@@ -15,7 +15,7 @@
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/uncertainty/covariance.hpp"
 
-namespace raybundle::bench {
+namespace raybundle::testing {
 namespace {
 
 constexpr double kSameCost = 1e-6;         ///< relative
@@ -136,6 +136,8 @@ Optimum truth_with_corners_of(const RandomRig& rig, const CalibrationProblem& wi
   return optimum_from_truth(with_prior, state, bent(answer.shapes[0]));
 }
 
+double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
 template <typename... Values>
 std::string text(const char* format, Values... values) {
   char buffer[200];
@@ -149,12 +151,12 @@ TruthStart start_from_truth(const RandomRig& rig) {
   const Optimum optimum = optimum_from_truth(with_lens_prior(rig, rig.truth), rig.truth);
   TruthStart start{.optimum = optimum.state, .cost = optimum.summary.final_cost};
   start.projection_sigma_px = std::numeric_limits<double>::infinity();
-  ReducedInformation information = reduced_information(optimum.problem, optimum.state);
-  information.chi2 = std::max(0, information.residuals - information.parameters);  // the noise is known
+  ReducedInformation information = reduced_information(rig.problem, optimum.state);  // of the model asked for
+  information.chi2 = std::max(0, information.residuals - information.parameters);    // the noise is known
   const CovarianceResult known = covariance(information);
   if (known.unseen) return start;
   const Camera& camera = start.optimum.cameras[0];
-  start.projection_sigma_px = bench::projection_sigma_px(
+  start.projection_sigma_px = testing::projection_sigma_px(
       camera, covariance_of_intrinsics(known.covariance, rig.problem.cameras[0].name, camera.model), right_rays(rig));
   // Fewer than three views are refused whatever they tell: nothing would be left to hold an answer against.
   int views = 0;
@@ -179,10 +181,10 @@ Judgement judge_start(const RandomRig& rig, const TruthStart& truth) {
   Judgement judgement;
   CalibrateOptions options;
   options.threads = 1;
-  const double begin = seconds(CLOCK_PROCESS_CPUTIME_ID);
+  const double begin = processor_seconds();
   try {
     const CalibrationResult result = calibrate(rig.problem, options);
-    judgement.seconds = seconds(CLOCK_PROCESS_CPUTIME_ID) - begin;
+    judgement.seconds = processor_seconds() - begin;
     const BundleState answer = state_of(result);
     CalibrationProblem with_prior = rig.problem;
     with_prior.lens_priors = result.lens_priors;
@@ -198,7 +200,7 @@ Judgement judge_start(const RandomRig& rig, const TruthStart& truth) {
         text("cost %.8g, from the truth %.8g, %.1f %% of the right corners used, off the truth by %.1f sigma%s", cost,
              from_truth, 100 * kept, judgement.error_sigmas, bent(answer.shapes[0]) ? ", board bent" : "");
   } catch (const Error& error) {
-    judgement.seconds = seconds(CLOCK_PROCESS_CPUTIME_ID) - begin;
+    judgement.seconds = processor_seconds() - begin;
     const bool right = error.kind() == ErrorKind::kNotEnoughData && !truth.determined;
     judgement.verdict = right ? Verdict::kRefusedRightly : Verdict::kRefusedWrongly;
     judgement.why = error.what();
@@ -215,4 +217,4 @@ bool reaches(const RandomRig& rig, const TruthStart& truth, const std::optional<
   return summary.termination != Termination::kFailed && summary.final_cost <= truth.cost * (1.0 + kSameCost) + 1e-9;
 }
 
-}  // namespace raybundle::bench
+}  // namespace raybundle::testing
