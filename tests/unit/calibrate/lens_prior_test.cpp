@@ -11,7 +11,6 @@
 
 #include "raybundle/bundle/parameters.hpp"
 #include "raybundle/calibrate/calibrate.hpp"
-#include "raybundle/calibrate/lens_domain.hpp"
 #include "synthetic_world.hpp"
 
 namespace raybundle {
@@ -92,12 +91,12 @@ TEST(LensPrior, KeepsPolesAwayFromTheCorners) {
   CalibrationProblem problem = world.problem;
   BundleState without = truth;
   solve_bundle(problem, without);
-  EXPECT_TRUE(ends_among_corners(problem, without, 0));
   weigh_lens_prior(problem, truth, 0);
   BundleState with = truth;
-  const BundleSummary summary = solve_bundle(problem, with);
-  EXPECT_FALSE(ends_among_corners(problem, with, 0));
-  EXPECT_LT(summary.iterations, 30);
+  solve_bundle(problem, with);
+  constexpr double kDegree = M_PI / 180.0;  // boards reach 40 to 50 degrees off the axis
+  EXPECT_LT(max_angle_rad(without.cameras[0]), 60 * kDegree);
+  EXPECT_GT(max_angle_rad(with.cameras[0]), 60 * kDegree);
 }
 
 // Exact corners tell all there is to tell: the prior weighs as nothing against them.
