@@ -24,6 +24,7 @@ namespace {
 
 using namespace raybundle;
 using namespace raybundle::bench;
+using namespace raybundle::testing;
 
 constexpr std::array kWords{"reached", "refused rightly", "ELSEWHERE", "REFUSED WRONGLY", "UNDETERMINED, ANSWERED"};
 

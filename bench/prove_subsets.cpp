@@ -28,6 +28,7 @@ namespace {
 
 using namespace raybundle;
 using namespace raybundle::bench;
+using namespace raybundle::testing;
 
 constexpr std::size_t kFewestFrames = 8;
 constexpr double kSensible = 1.25;  // times the best model's rms

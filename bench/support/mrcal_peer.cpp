@@ -32,7 +32,7 @@ double stereographic_focal_px(const Camera& camera) {
   return half_side / (2.0 * std::tan(0.5 * angle));
 }
 
-void write_rig(std::ostream& out, const RandomRig& rig) {
+void write_rig(std::ostream& out, const testing::RandomRig& rig) {
   const Camera& camera = rig.truth.cameras[0];
   const Target& board = rig.problem.targets[0];
   const double square = board.points[1].x_in_target.x();
@@ -56,7 +56,7 @@ void write_rig(std::ostream& out, const RandomRig& rig) {
   }
 }
 
-std::optional<BundleState> read_answer(const std::string& line, const RandomRig& rig) {
+std::optional<BundleState> read_answer(const std::string& line, const testing::RandomRig& rig) {
   std::istringstream words(line);
   std::vector<double> values;
   for (double value; words >> value;) values.push_back(value);
@@ -82,13 +82,13 @@ bool mrcal_is_there() {
   return there;
 }
 
-std::vector<std::optional<BundleState>> calibrate_with_mrcal(const std::vector<RandomRig>& rigs) {
+std::vector<std::optional<BundleState>> calibrate_with_mrcal(const std::vector<testing::RandomRig>& rigs) {
   const std::string name = (std::filesystem::temp_directory_path() / "raybundle_mrcal_").string();
   const std::string asked = name + std::to_string(getpid()) + ".txt", answered = asked + ".answers";
   {
     std::ofstream out(asked);
     out.precision(12);
-    for (const RandomRig& rig : rigs) write_rig(out, rig);
+    for (const testing::RandomRig& rig : rigs) write_rig(out, rig);
   }
   const std::string command = "/usr/bin/python3 '" RAYBUNDLE_SOURCE_DIR "/bench/support/mrcal_peer.py' '" + asked +
                               "' '" + answered + "' >/dev/null 2>&1";

@@ -19,7 +19,7 @@ bool mrcal_has(std::string_view model);
 /// granted only where `mrcal_is_there()`.
 ///
 /// @param rigs  all of one model
-std::vector<std::optional<BundleState>> calibrate_with_mrcal(const std::vector<RandomRig>& rigs);
+std::vector<std::optional<BundleState>> calibrate_with_mrcal(const std::vector<testing::RandomRig>& rigs);
 
 bool mrcal_is_there();
 

@@ -19,7 +19,7 @@ struct Answer {
   std::vector<cv::Mat> rotations, translations;
 };
 
-Corners corners_of(const RandomRig& rig, bool right_only) {
+Corners corners_of(const testing::RandomRig& rig, bool right_only) {
   Corners corners;
   for (std::size_t v = 0; v < rig.problem.views.size(); ++v) {
     std::vector<cv::Point3f> points;
@@ -80,7 +80,7 @@ bool opencv_has(std::string_view model) {
   return false;
 }
 
-std::optional<BundleState> calibrate_with_opencv(const RandomRig& rig, bool right_only) {
+std::optional<BundleState> calibrate_with_opencv(const testing::RandomRig& rig, bool right_only) {
   const std::string_view model = model_name(rig.problem.cameras[0].model);
   const ImageSize size = rig.problem.cameras[0].size;
   try {

@@ -15,6 +15,6 @@ bool opencv_has(std::string_view model);
 /// What OpenCV's solver makes of the rig, with its own start values; nothing when it throws.
 ///
 /// @param right_only  without the corners that are known to be wrong
-std::optional<BundleState> calibrate_with_opencv(const RandomRig& rig, bool right_only);
+std::optional<BundleState> calibrate_with_opencv(const testing::RandomRig& rig, bool right_only);
 
 }  // namespace raybundle::bench

@@ -145,6 +145,7 @@ std::vector<int> ParameterBlock::with_prior() const {
 
 std::vector<ParameterBlock> parameter_blocks(const CalibrationProblem& problem) {
   std::vector<ParameterBlock> blocks = free_blocks(problem);
+  for (const ParameterRule& rule : problem.lens_priors) apply_rule(rule, blocks);
   for (const ParameterRule& rule : problem.rules) apply_rule(rule, blocks);
   for (ParameterBlock& block : blocks) {
     if (block.kind != ParameterBlock::Kind::kCameraFromRig || block.owner != 0) continue;

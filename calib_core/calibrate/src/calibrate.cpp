@@ -139,6 +139,7 @@ CalibrationResult calibrate_in_order(const CalibrationProblem& problem, const Ca
   Subproblem sub = select_cameras(problem, cameras);
   const std::size_t rules = sub.problem.rules.size();
   for (const int c : cameras) std::ranges::copy(alone.given_up[c], std::back_inserter(sub.problem.rules));
+  sub.problem.lens_priors = alone.lens_priors;
   std::vector<std::optional<Rigid3>> camera_from_target, mirrored;
   std::vector<std::vector<ObservationFate>> fates;
   std::vector<std::string> reasons;
@@ -180,6 +181,7 @@ CalibrationResult calibrate_in_order(const CalibrationProblem& problem, const Ca
   std::ranges::copy_if(solve.ties.untied, std::back_inserter(result.set_aside),
                        [&](const SetAside& untied) { return state.pose_of_view[untied.view] >= 0; });
   name_views_set_aside(state, reasons, result);
+  result.lens_priors = sub.problem.lens_priors;
   result.outlier_rule = outlier_rule(options);
   result.gauge = "the rig frame is the frame of camera " + sub.problem.cameras.front().name +
                  "; the scale comes from the size of the board";

@@ -2,9 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cameras_alone.hpp"
 
+#include <algorithm>
+#include <iterator>
+
 #include "lens_certainty.hpp"
 #include "local_optima.hpp"
 #include "raybundle/calibrate/lens_domain.hpp"
+#include "raybundle/calibrate/lens_prior.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/initialize/camera_start.hpp"
 #include "robust_solve.hpp"
@@ -13,6 +17,8 @@
 
 namespace raybundle {
 namespace {
+
+constexpr int kMostWeighings = 4;  // of the prior, until the noise is that of the corners
 
 CameraStart start_of(const CalibrationProblem& single, std::vector<StageTime>& stages) {
   const Stopwatch stopwatch(stages, "start");
@@ -32,8 +38,11 @@ std::vector<ParameterRule> keep_lens_beyond_corners(CalibrationProblem& single, 
   if (!give_up_coefficients(simpler, state, 0, optimum.summary, solve)) return {};
   std::vector<ParameterRule> given_up(simpler.rules.begin() + static_cast<std::ptrdiff_t>(single.rules.size()),
                                       simpler.rules.end());
+  // The lens that was replaced may have cost views.
+  if (give_second_chance(simpler, state, options, reasons)) optimum.summary = solve(simpler, state);
   // With all coefficients there may be such a lens farther away, and a better one.
-  if (!given_up.empty() && move_to_lower_alike(single, state, options, optimum.summary)) given_up.clear();
+  optimum.projection_sigma_px = projection_sigma_px(single, state, options.threads);
+  if (!given_up.empty() && move_to_lower_alike(single, state, options, optimum)) given_up.clear();
   if (!given_up.empty()) single = std::move(simpler);
   optimum = leave_local_optima(single, state, options, reasons, optimum.summary);
   return given_up;
@@ -46,13 +55,20 @@ void solve_camera_alone(const CalibrationProblem& problem, int camera, const Cal
   const Stopwatch stopwatch(stages, "solve");
   BundleState state = state_from_start(single.problem, start);
   std::vector<std::string> reasons = start.reasons;
+  weigh_lens_prior(single.problem, state, 0);
   solve_robustly(single.problem, state, options);
   if (give_second_chance(single.problem, state, options, reasons)) solve_robustly(single.problem, state, options);
-  const BundleSummary solved = solve_without_outliers(single.problem, state, options, false, reasons);
+  BundleSummary solved = solve_without_outliers(single.problem, state, options, false, reasons);
+  for (int round = 0; round < kMostWeighings && weigh_lens_prior(single.problem, state, 0); ++round) {
+    solved = solve_without_outliers(single.problem, state, options, false, reasons);
+  }
   CameraOptimum optimum = leave_local_optima(single.problem, state, options, reasons, solved);
   alone.given_up[camera] = keep_lens_beyond_corners(single.problem, state, options, reasons, optimum);
   alone.summaries[camera] = optimum.summary;
-  if (problem.cameras.size() == 1) refuse_open_lens(single.problem, state, optimum.projection_sigma_px);
+  std::ranges::copy(single.problem.lens_priors, std::back_inserter(alone.lens_priors));
+  if (problem.cameras.size() == 1) {
+    refuse_open_lens(single.problem, state, optimum.summary.termination, optimum.projection_sigma_px);
+  }
   alone.cameras[camera] = state.cameras[0];
   std::vector<std::optional<Rigid3>> mirrored(single.views.size());
   if (problem.cameras.size() > 1) mirrored = mirrored_boards(single.problem, state);

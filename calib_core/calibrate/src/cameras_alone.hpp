@@ -18,6 +18,7 @@ struct CamerasAlone {
   std::vector<std::string> why_not;                  ///< for those
   std::vector<BundleSummary> summaries;              ///< of the last solve of each camera
   std::vector<std::vector<ParameterRule>> given_up;  ///< of each camera: coefficients that are held at zero
+  std::vector<ParameterRule> lens_priors;            ///< of all cameras
   std::vector<std::optional<Rigid3>> camera_from_target;
   std::vector<std::optional<Rigid3>> mirrored;  ///< camera_from_target that fits nearly as well, in a rig
   std::vector<std::vector<ObservationFate>> fates;

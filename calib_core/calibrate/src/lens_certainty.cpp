@@ -10,6 +10,7 @@
 
 #include "local_optima.hpp"
 #include "raybundle/bundle/information.hpp"
+#include "raybundle/calibrate/lens_domain.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/rotation.hpp"
 #include "raybundle/uncertainty/covariance.hpp"
@@ -18,6 +19,8 @@ namespace raybundle {
 namespace {
 
 constexpr double kOpenShare = 0.02;  // of the image's longer side
+
+double open_limit_px(ImageSize size) { return kOpenShare * std::max(size.width, size.height); }
 
 /// Slopes of the pixels of rays by the intrinsics, in the order of the model, and by a turn of the camera.
 struct Slopes {
@@ -67,15 +70,27 @@ double projection_sigma_px(const CalibrationProblem& single, const BundleState& 
   return std::sqrt(std::max(0.0, sum) / static_cast<double>(rays.size()));
 }
 
-void refuse_open_lens(const CalibrationProblem& single, const BundleState& state, double sigma_px) {
-  const double limit_px = kOpenShare * std::max(state.cameras[0].size.width, state.cameras[0].size.height);
-  if (!(sigma_px > limit_px)) return;
-  throw Error(ErrorKind::kNotEnoughData,
-              fmt::format("the views leave the lens open: its projection would be known to {:.0f} px only, and beyond "
-                          "{:.0f} px (2 % of the image) it is of no use; tilt the board by 20 to 45 degrees in some "
-                          "images, hold it near and far and in the corners, or choose a model with fewer parameters",
-                          sigma_px, limit_px),
-              "camera " + single.cameras[0].name);
+bool leaves_lens_open(ImageSize size, double sigma_px) { return sigma_px > open_limit_px(size); }
+
+void refuse_open_lens(const CalibrationProblem& single, const BundleState& state, Termination termination,
+                      double sigma_px) {
+  const ImageSize size = state.cameras[0].size;
+  const auto refuse = [&](const std::string& how) {
+    throw Error(ErrorKind::kNotEnoughData,
+                "the views leave the lens open: " + how +
+                    "; tilt the board by 20 to 45 degrees in some images, hold it near and far and in the corners, or "
+                    "choose a model with fewer parameters",
+                "camera " + single.cameras[0].name);
+  };
+  if (leaves_lens_open(size, sigma_px)) {
+    refuse(
+        fmt::format("its projection would be known to {:.0f} px only, and beyond {:.0f} px (2 % of the image) it is of "
+                    "no use",
+                    sigma_px, open_limit_px(size)));
+  }
+  if (termination == Termination::kIterationLimit && ends_among_corners(single, state, 0)) {
+    refuse("the solve does not come to rest, and its lens has a pole among the corners or turns back there");
+  }
 }
 
 }  // namespace raybundle

@@ -14,7 +14,9 @@
 namespace raybundle {
 namespace {
 
-constexpr double kBeyond = 1.05;         // times the farthest corner's angle: corners seldom come closer to the border
+// Times the farthest corner's angle: nearer to where a profile turns back the image is squeezed more than tenfold, and
+// no detector finds a corner.
+constexpr double kBeyond = 1.02;
 constexpr double kPlainlyWorse = 1.2;    // times the noise under the lens that ends among its corners
 constexpr double kExact = 1e-3;          // of a corner's sigma: less noise than that is rounding
 constexpr int kFirstShapeParameter = 4;  // after fx, fy, cx and cy
@@ -25,11 +27,6 @@ constexpr bool has_denominator(const DistortedPinhole<n>*) {
 }
 constexpr bool has_denominator(const void*) { return false; }
 
-// Whether a model's profile can have a pole. Where a polynomial turns back all corners tell together, and rightly.
-bool can_have_pole(ModelId model) {
-  return with_model(model, []<CameraModel M>() { return has_denominator(static_cast<const M*>(nullptr)); });
-}
-
 // Indices of the free coefficients of a camera's radial profile, the last first.
 std::vector<int> free_coefficients(const CalibrationProblem& problem, int camera) {
   const std::vector<std::string_view> names = parameter_names(problem.cameras[camera].model);
@@ -37,7 +34,7 @@ std::vector<int> free_coefficients(const CalibrationProblem& problem, int camera
   for (const ParameterBlock& block : parameter_blocks(problem)) {
     if (block.kind != ParameterBlock::Kind::kIntrinsics || block.owner != camera) continue;
     for (int k = static_cast<int>(names.size()) - 1; k >= kFirstShapeParameter; --k) {
-      const bool free = block.parameters[k].kind == ParameterRule::Kind::kFree;
+      const bool free = block.parameters[k].kind != ParameterRule::Kind::kFixed;
       if (free && names[k].front() == 'k') coefficients.push_back(k);
     }
   }
@@ -82,6 +79,10 @@ bool give_up_until_beyond(const BundleState& state, int camera, const std::vecto
 }
 
 }  // namespace
+
+bool can_have_pole(ModelId model) {
+  return with_model(model, []<CameraModel M>() { return has_denominator(static_cast<const M*>(nullptr)); });
+}
 
 bool ends_among_corners(const CalibrationProblem& problem, const BundleState& state, int camera) {
   if (!can_have_pole(state.cameras[camera].model)) return false;

@@ -28,12 +28,12 @@ CameraOptimum leave_local_optima(const CalibrationProblem& single, BundleState& 
                                  std::vector<std::string>& reasons, const BundleSummary& solved);
 
 /// Moves to the lowest optimum of a lens that puts corners nearly where the state's does, as near as they can tell, if
-/// it is lower than where the state is.
+/// it is lower than where the state is. A lens that the views leave open must be lower by more than noise makes it.
 ///
-/// @param summary  of the solve that led to the state; of the new one when it moves
+/// @param optimum  of the state; of the new one when it moves
 /// @return         whether it moved
 bool move_to_lower_alike(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
-                         BundleSummary& summary);
+                         CameraOptimum& optimum);
 
 /// Rays of corners in use, spread over the views, through the solved camera: some hundreds of them.
 std::vector<Eigen::Vector3d> rays_seen(const CalibrationProblem& single, const BundleState& state);

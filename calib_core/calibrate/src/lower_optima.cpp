@@ -13,7 +13,6 @@ constexpr double kLower = 1e-7;        // relative: by which another optimum's c
 constexpr double kPromising = 1.01;    // times the cost, after the first look
 constexpr int kFirstLook = 30;         // iterations
 constexpr std::size_t kFollowed = 2;   // solves that are followed to their end
-constexpr double kFarOut = 1e6;        // a parameter of the lens's shape
 constexpr std::size_t kBudget = 6000;  // corners that decide whether there is a lower optimum
 
 // The state with every so many views only, so that the corners stay within a budget.
@@ -29,11 +28,6 @@ BundleState with_fewer_views(const BundleState& state) {
     if (pose >= 0 && used++ % stride != 0) pose = -1;
   }
   return fewer;
-}
-
-// Lenses at the end of a valley without one: their parameters cancel each other to the last digit.
-bool far_out(const Camera& camera) {
-  return camera.parameters.tail(camera.parameters.size() - 4).lpNorm<Eigen::Infinity>() > kFarOut;
 }
 
 /// Another optimum, or a place on the way to one.
@@ -55,6 +49,7 @@ std::vector<OtherSolve> lower_optima(const CalibrationProblem& single, const Bun
     other.state.cameras[0] = camera;
     other.summary = solve_bundle(single, other.state, bundle);
     if (other.summary.termination == Termination::kFailed) continue;
+    if (spoils_lens(single, state, other.state)) continue;  // or they would crowd out those that may be followed
     const bool at_rest = other.summary.termination == Termination::kConverged;
     if (other.summary.final_cost < (at_rest ? 1.0 - kLower : kPromising) * cost) solves.push_back(std::move(other));
   }
@@ -67,8 +62,8 @@ std::vector<OtherSolve> lower_optima(const CalibrationProblem& single, const Bun
     }
   }
   std::erase_if(solves, [&](const OtherSolve& other) {
-    return other.summary.termination == Termination::kFailed || far_out(other.state.cameras[0]) ||
-           !(other.summary.final_cost < (1.0 - kLower) * cost) || spoils_lens(single, state, other.state);
+    return other.summary.termination == Termination::kFailed || !(other.summary.final_cost < (1.0 - kLower) * cost) ||
+           spoils_lens(single, state, other.state);
   });
   std::ranges::stable_sort(solves, {}, by_cost);
   return solves;

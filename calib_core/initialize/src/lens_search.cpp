@@ -134,6 +134,21 @@ std::vector<LensGuess> sweep(std::initializer_list<double> alphas, double focal_
   return guesses;
 }
 
+double good_fit_px(ImageSize size) { return std::min(1.0, kGoodFitOfWidth * std::max(size.width, size.height)); }
+
+/// The best of some guesses that differ, all of them refined a little and some of those with everything free.
+LensGuess best_refined(std::vector<LensGuess> guesses, std::size_t count, std::size_t with_all_free,
+                       const std::vector<PointsInView>& views, ImageSize size) {
+  guesses = best_and_different(std::move(guesses), count);
+  for (LensGuess& guess : guesses) refine(views, size, false, 10, guess);
+  std::ranges::stable_sort(guesses, {}, &LensGuess::score_px);
+  if (guesses.size() > with_all_free) guesses.resize(with_all_free);
+  for (LensGuess& guess : guesses) {
+    for (const int iterations : {10, 15, 20}) refine(views, size, true, iterations, guess);
+  }
+  return *std::ranges::min_element(guesses, {}, &LensGuess::score_px);
+}
+
 }  // namespace
 
 double robust_score(const LensFunctions& lens, const double* parameters, const std::vector<PointsInView>& views,
@@ -150,15 +165,12 @@ double robust_score(const LensFunctions& lens, const double* parameters, const s
 
 LensGuess search_lens(const std::vector<PointsInView>& views, ImageSize size) {
   const std::vector<PrincipalFrame> frames = frames_of(views);
-  std::vector<LensGuess> guesses = sweep({0.0, 0.3, 0.5, 0.6, 0.7, 0.85}, 1.25, views, frames, size, 4);
-  guesses = best_and_different(std::move(guesses), 6);
-  for (LensGuess& guess : guesses) refine(views, size, false, 10, guess);
-  std::ranges::stable_sort(guesses, {}, &LensGuess::score_px);
-  if (guesses.size() > 3) guesses.resize(3);
-  for (LensGuess& guess : guesses) {
-    for (const int iterations : {10, 15, 20}) refine(views, size, true, iterations, guess);
-  }
-  return *std::ranges::min_element(guesses, {}, &LensGuess::score_px);
+  const std::vector<LensGuess> guesses = sweep({0.0, 0.3, 0.5, 0.6, 0.7, 0.85}, 1.25, views, frames, size, 4);
+  const LensGuess best = best_refined(guesses, 6, 3, views, size);
+  if (best.score_px <= good_fit_px(size)) return best;
+  // Few corners with wrong ones among them hardly tell which guesses are worth refining.
+  const LensGuess of_more = best_refined(guesses, 30, 10, views, size);
+  return of_more.score_px < best.score_px ? of_more : best;
 }
 
 std::optional<LensGuess> search_lens_quickly(const std::vector<PointsInView>& views, ImageSize size) {
@@ -188,8 +200,7 @@ std::optional<LensGuess> search_lens_quickly(const std::vector<PointsInView>& vi
     refine(views, size, true, 8, best);
     if (best.score_px > 0.98 * before) break;
   }
-  const double good_px = std::min(1.0, kGoodFitOfWidth * std::max(size.width, size.height));
-  if (!(best.score_px <= good_px)) return std::nullopt;
+  if (!(best.score_px <= good_fit_px(size))) return std::nullopt;
   return best;
 }
 

@@ -23,8 +23,8 @@ double robust_score(const LensFunctions& lens, const double* parameters, const s
                     const std::vector<Rigid3>& poses);
 
 /// StartLens of the views: a sweep over focal lengths and profiles, from 30° to beyond 220°, with a linear pose for
-/// every view, then the best few refined with principal point, aspect ratio and a bent profile; the best of them. Its
-/// score tells how far to trust it.
+/// every view, then the best few refined with principal point, aspect ratio and a bent profile; the best of them. Where
+/// none of these fits to about a pixel, many more are refined. Its score tells how far to trust it.
 ///
 /// @param views  a selection: a dozen or two that differ, a few dozen corners in each, gross errors removed
 LensGuess search_lens(const std::vector<PointsInView>& views, ImageSize size);

@@ -3,6 +3,7 @@
 #include "raybundle/io/report_file.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "json_camera.hpp"
@@ -159,6 +160,17 @@ OrderedJson json_from_view(const CalibrationProblem& problem, const TargetView& 
   return json;
 }
 
+// Their sigmas count against corners whose noise is as declared; told is what they are worth as it was measured.
+OrderedJson json_from_lens_priors(const CalibrationResult& result) {
+  OrderedJson json = OrderedJson::array();
+  for (const ParameterRule& prior : result.lens_priors) {
+    json.push_back({{"parameter", prior.pattern},
+                    {"mean", prior.value.value_or(0.0)},
+                    {"sigma", prior.sigma * std::sqrt(result.variance_factor)}});
+  }
+  return json;
+}
+
 OrderedJson json_from_views(const CalibrationProblem& problem, const CalibrationResult& result) {
   OrderedJson json = OrderedJson::array();
   for (std::size_t i = 0; i < problem.views.size(); ++i) {
@@ -180,6 +192,7 @@ std::string text_from_report(const CalibrationProblem& problem, const Calibratio
       {"iterations", result.iterations},
       {"gauge", result.gauge},
       {"outlier_rule", result.outlier_rule},
+      {"lens_priors", json_from_lens_priors(result)},
       {"warnings", result.warnings},
       {"cameras", json_from_cameras(problem, result)},
       {"set_aside", json_from_set_aside(problem, result, extra)},

@@ -56,12 +56,13 @@ struct Counterpart {
 
 Counterpart counterpart_of(const CalibrationProblem& problem, const CalibrationResult& first) {
   const bool twisted = first.calibration.targets[first.poses[0].target].shape.twist_m != 0.0;
-  if (!twisted && !first.laser && !first.survey) return {first.calibration, {}};
   std::string without;
-  for (const auto& [there, what] : {std::pair{twisted, "the board's twist"}, std::pair{first.laser.has_value(), "dots"},
-                                    std::pair{first.survey.has_value(), "landmarks"}}) {
+  for (const auto& [there, what] :
+       {std::pair{twisted, "the board's twist"}, std::pair{!first.lens_priors.empty(), "the prior of the lens"},
+        std::pair{first.laser.has_value(), "dots"}, std::pair{first.survey.has_value(), "landmarks"}}) {
     if (there) without += (without.empty() ? "" : " and ") + std::string(what);
   }
+  if (without.empty()) return {first.calibration, {}};
   return {as_mrcal_solves(problem, first),
           "held against our solve of the corners without " + without + ", which mrcal does not get"};
 }

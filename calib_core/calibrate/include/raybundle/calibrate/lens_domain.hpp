@@ -9,6 +9,10 @@
 
 namespace raybundle {
 
+/// Whether a model's radial profile has a denominator, and so can have a pole. Where a polynomial turns back all
+/// corners tell together, and rightly.
+bool can_have_pole(ModelId model);
+
 /// Whether a camera's lens of a rational model ends among its corners in use or hardly beyond them: where its radial
 /// profile has a pole or turns back. Such a lens can fit the corners better than any real one, with a spike between two
 /// of them. Models without a denominator have no spikes, and false is returned.

@@ -57,8 +57,9 @@ struct CalibrationProblem {
   std::vector<std::string> frames;     ///< names of the moments
   std::vector<TargetView> views;       ///< at most one for each camera, frame and target
   std::vector<ParameterRule> rules;
-  std::optional<ProblemLaser> laser;  ///< without it no view has dots
-  std::optional<Survey> survey = {};  ///< landmarks that take part, in images of their own
+  std::vector<ParameterRule> lens_priors = {};  ///< what is known of any lens; any rule overrides it
+  std::optional<ProblemLaser> laser;            ///< without it no view has dots
+  std::optional<Survey> survey = {};            ///< landmarks that take part, in images of their own
 };
 
 /// Throws Error(kBadInput) naming the first view, camera or rule that breaks an invariant stated in these types:

@@ -116,7 +116,8 @@ struct CalibrationResult {
   double variance_factor = 1.0;         ///< chi² per degree of freedom; the covariance has been multiplied by it
   Termination termination = Termination::kFailed;
   int iterations = 0;
-  std::string gauge;  ///< what fixes the frame and the scale, in words
+  std::vector<ParameterRule> lens_priors;  ///< that the solve took for granted, as CalibrationProblem::lens_priors
+  std::string gauge;                       ///< what fixes the frame and the scale, in words
   std::string outlier_rule;
   std::vector<std::string> warnings;
   std::vector<StageTime> stages;

@@ -8,7 +8,7 @@
 #include "random_rig.hpp"
 #include "raybundle/calibrate/calibrate.hpp"
 
-namespace raybundle::bench {
+namespace raybundle::testing {
 
 /// A camera whose projection is known worse than this share of the image's longer side, root mean square over the
 /// corners seen, is not determined: 13 px of 1280.
@@ -51,7 +51,8 @@ bool reaches(const RandomRig& rig, const TruthStart& truth, const std::optional<
 /// projection_difference_px of the true camera over the rays of the right corners.
 double projection_error_px(const RandomRig& rig, const Camera& camera);
 
-/// Half the sum of squared whitened residuals of the corners in use; infinite when one of them does not project.
-double cost_of(const CalibrationProblem& problem, const BundleState& state);
+/// Half the sum of squared whitened residuals of the corners in use and of the priors; infinite when one of the corners
+/// does not project.
+double cost_of(const CalibrationProblem& problem, BundleState state);
 
-}  // namespace raybundle::bench
+}  // namespace raybundle::testing

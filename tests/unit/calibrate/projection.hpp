@@ -9,7 +9,7 @@
 #include "raybundle/camera/camera.hpp"
 #include "raybundle/scene/calibration.hpp"
 
-namespace raybundle::bench {
+namespace raybundle::testing {
 
 /// Root mean square distance [px] between where two cameras put rays, one of them turned so that they agree best: the
 /// board poses take up a turn. Infinite when one of them does not project a hundredth of the rays.
@@ -27,4 +27,4 @@ Eigen::MatrixXd covariance_of_intrinsics(const Covariance& covariance, const std
 double projection_sigma_px(const Camera& camera, const Eigen::MatrixXd& covariance,
                            const std::vector<Eigen::Vector3d>& rays_in_camera);
 
-}  // namespace raybundle::bench
+}  // namespace raybundle::testing

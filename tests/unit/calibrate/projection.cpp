@@ -9,7 +9,7 @@
 
 #include "raybundle/geometry/rotation.hpp"
 
-namespace raybundle::bench {
+namespace raybundle::testing {
 namespace {
 
 /// Pixel of a ray with its derivatives by the parameters and by a small turn of the ray.
@@ -92,4 +92,4 @@ double projection_sigma_px(const Camera& camera, const Eigen::MatrixXd& covarian
   return std::sqrt(sum / static_cast<double>(rays_in_camera.size()));
 }
 
-}  // namespace raybundle::bench
+}  // namespace raybundle::testing

@@ -9,7 +9,7 @@
 
 #include "synthetic_world.hpp"
 
-namespace raybundle::bench {
+namespace raybundle::testing {
 namespace {
 
 constexpr double kRadian = M_PI / 180.0;
@@ -144,7 +144,7 @@ std::vector<ObservationFate> spoil(Draw& draw, const Camera& camera, double nois
 Target random_board(Draw& draw) {
   const int columns = draw.integer(5, 14);
   const int rows = draw.integer(4, std::min(columns, 10));
-  return testing::grid_target("board", columns, rows, draw.log_uniform(0.01, 0.1));
+  return grid_target("board", columns, rows, draw.log_uniform(0.01, 0.1));
 }
 
 constexpr std::array kHoldingNames{"ordinary", "near", "far", "steep", "rim", "parallel", "few views", "alike"};
@@ -210,4 +210,4 @@ RandomRig random_rig(ModelId model, std::uint64_t seed) {
   return rig;
 }
 
-}  // namespace raybundle::bench
+}  // namespace raybundle::testing

@@ -7,7 +7,7 @@
 
 #include "random_rig.hpp"
 
-namespace raybundle::bench {
+namespace raybundle::testing {
 namespace {
 
 constexpr double kRadian = M_PI / 180.0;
@@ -110,4 +110,4 @@ Camera random_camera(ModelId model, Draw& draw, double& half_field_rad) {
   throw std::logic_error("no lens of model " + std::string(name) + " could be drawn");
 }
 
-}  // namespace raybundle::bench
+}  // namespace raybundle::testing

@@ -10,7 +10,7 @@
 #include "raybundle/bundle/bundle.hpp"
 #include "raybundle/scene/problem.hpp"
 
-namespace raybundle::bench {
+namespace raybundle::testing {
 
 /// Numbers that depend on the seed alone, whatever the standard library.
 class Draw {
@@ -54,4 +54,4 @@ Camera random_camera(ModelId model, Draw& draw, double& half_field_rad);
 /// px; up to 20 % of the corners wrong by 5 px to anywhere.
 RandomRig random_rig(ModelId model, std::uint64_t seed);
 
-}  // namespace raybundle::bench
+}  // namespace raybundle::testing

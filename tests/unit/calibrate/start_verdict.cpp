@@ -5,16 +5,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <limits>
 
-#include "clock.hpp"
 #include "projection.hpp"
 #include "raybundle/bundle/information.hpp"
 #include "raybundle/calibrate/lens_domain.hpp"
+#include "raybundle/calibrate/lens_prior.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/uncertainty/covariance.hpp"
 
-namespace raybundle::bench {
+namespace raybundle::testing {
 namespace {
 
 constexpr double kSameCost = 1e-6;         ///< relative
@@ -47,10 +48,18 @@ BundleSummary solve_to_the_end(const CalibrationProblem& problem, BundleState& s
   return solve_bundle(problem, state, options);
 }
 
+/// The rig's problem with the prior that calibrate() gives a rational lens by the noise and field of a state.
+CalibrationProblem with_lens_prior(const RandomRig& rig, const BundleState& state) {
+  CalibrationProblem problem = rig.problem;
+  weigh_lens_prior(problem, state, 0);
+  return problem;
+}
+
 /// Where a solve ends that starts from the truth. Lenses that end among their corners are left as calibrate() leaves
 /// them.
-Optimum optimum_from_truth(const RandomRig& rig, const BundleState& start, bool estimate_shape = false) {
-  Optimum optimum{rig.problem, start, {}};
+Optimum optimum_from_truth(const CalibrationProblem& with_prior, const BundleState& start,
+                           bool estimate_shape = false) {
+  Optimum optimum{with_prior, start, {}};
   const auto solve = [&](const CalibrationProblem& problem, BundleState& state) {
     return solve_to_the_end(problem, state, estimate_shape);
   };
@@ -118,14 +127,16 @@ double right_kept(const RandomRig& rig, const BundleState& answer) {
 }
 
 /// What a start from the truth reaches with the corners that the answer uses.
-Optimum truth_with_corners_of(const RandomRig& rig, const BundleState& answer) {
+Optimum truth_with_corners_of(const RandomRig& rig, const CalibrationProblem& with_prior, const BundleState& answer) {
   BundleState state = rig.truth;
   state.fates = answer.fates;
   for (std::size_t v = 0; v < state.pose_of_view.size(); ++v) {
     if (answer.pose_of_view[v] < 0) state.pose_of_view[v] = -1;
   }
-  return optimum_from_truth(rig, state, bent(answer.shapes[0]));
+  return optimum_from_truth(with_prior, state, bent(answer.shapes[0]));
 }
+
+double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 template <typename... Values>
 std::string text(const char* format, Values... values) {
@@ -137,15 +148,15 @@ std::string text(const char* format, Values... values) {
 }  // namespace
 
 TruthStart start_from_truth(const RandomRig& rig) {
-  const Optimum optimum = optimum_from_truth(rig, rig.truth);
+  const Optimum optimum = optimum_from_truth(with_lens_prior(rig, rig.truth), rig.truth);
   TruthStart start{.optimum = optimum.state, .cost = optimum.summary.final_cost};
   start.projection_sigma_px = std::numeric_limits<double>::infinity();
-  ReducedInformation information = reduced_information(optimum.problem, optimum.state);
-  information.chi2 = std::max(0, information.residuals - information.parameters);  // the noise is known
+  ReducedInformation information = reduced_information(rig.problem, optimum.state);  // of the model asked for
+  information.chi2 = std::max(0, information.residuals - information.parameters);    // the noise is known
   const CovarianceResult known = covariance(information);
   if (known.unseen) return start;
   const Camera& camera = start.optimum.cameras[0];
-  start.projection_sigma_px = bench::projection_sigma_px(
+  start.projection_sigma_px = testing::projection_sigma_px(
       camera, covariance_of_intrinsics(known.covariance, rig.problem.cameras[0].name, camera.model), right_rays(rig));
   // Fewer than three views are refused whatever they tell: nothing would be left to hold an answer against.
   int views = 0;
@@ -159,31 +170,26 @@ double projection_error_px(const RandomRig& rig, const Camera& camera) {
   return projection_difference_px(rig.truth.cameras[0], camera, right_rays(rig));
 }
 
-double cost_of(const CalibrationProblem& problem, const BundleState& state) {
-  double cost = 0.0;
-  for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
-    if (state.pose_of_view[v] < 0) continue;
-    const std::vector<Eigen::Vector2d> residuals = view_residuals(problem, state, v);
-    for (std::size_t i = 0; i < residuals.size(); ++i) {
-      if (state.fates[v][i] != ObservationFate::kUsed) continue;
-      const double sigma = problem.views[v].observations[i].sigma_px;
-      cost += 0.5 * residuals[i].squaredNorm() / (sigma * sigma);
-    }
-  }
-  return std::isnan(cost) ? std::numeric_limits<double>::infinity() : cost;
+double cost_of(const CalibrationProblem& problem, BundleState state) {
+  BundleOptions options;
+  options.max_iterations = 0;
+  const BundleSummary summary = solve_bundle(problem, state, options);
+  return summary.termination == Termination::kFailed ? std::numeric_limits<double>::infinity() : summary.final_cost;
 }
 
 Judgement judge_start(const RandomRig& rig, const TruthStart& truth) {
   Judgement judgement;
   CalibrateOptions options;
   options.threads = 1;
-  const double begin = seconds(CLOCK_PROCESS_CPUTIME_ID);
+  const double begin = processor_seconds();
   try {
     const CalibrationResult result = calibrate(rig.problem, options);
-    judgement.seconds = seconds(CLOCK_PROCESS_CPUTIME_ID) - begin;
+    judgement.seconds = processor_seconds() - begin;
     const BundleState answer = state_of(result);
-    const double cost = cost_of(rig.problem, answer);
-    const Optimum truths = truth_with_corners_of(rig, answer);
+    CalibrationProblem with_prior = rig.problem;
+    with_prior.lens_priors = result.lens_priors;
+    const double cost = cost_of(with_prior, answer);
+    const Optimum truths = truth_with_corners_of(rig, with_prior, answer);
     const double from_truth = truths.summary.final_cost;
     const double kept = right_kept(rig, answer);
     judgement.error_sigmas = projection_error_px(rig, answer.cameras[0]) / truth.projection_sigma_px;
@@ -194,7 +200,7 @@ Judgement judge_start(const RandomRig& rig, const TruthStart& truth) {
         text("cost %.8g, from the truth %.8g, %.1f %% of the right corners used, off the truth by %.1f sigma%s", cost,
              from_truth, 100 * kept, judgement.error_sigmas, bent(answer.shapes[0]) ? ", board bent" : "");
   } catch (const Error& error) {
-    judgement.seconds = seconds(CLOCK_PROCESS_CPUTIME_ID) - begin;
+    judgement.seconds = processor_seconds() - begin;
     const bool right = error.kind() == ErrorKind::kNotEnoughData && !truth.determined;
     judgement.verdict = right ? Verdict::kRefusedRightly : Verdict::kRefusedWrongly;
     judgement.why = error.what();
@@ -207,8 +213,8 @@ bool reaches(const RandomRig& rig, const TruthStart& truth, const std::optional<
   BundleState state = *answer;
   mark_projectable(rig.problem, state);
   if (state.fates != rig.truth.fates) return false;  // corners that the answer cannot even project
-  const BundleSummary summary = solve_to_the_end(rig.problem, state);
+  const BundleSummary summary = solve_to_the_end(with_lens_prior(rig, truth.optimum), state);
   return summary.termination != Termination::kFailed && summary.final_cost <= truth.cost * (1.0 + kSameCost) + 1e-9;
 }
 
-}  // namespace raybundle::bench
+}  // namespace raybundle::testing

@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "raybundle/bundle/bundle.hpp"
+#include "raybundle/scene/problem.hpp"
+
+namespace raybundle {
+
+/// Weighs what is known of a rational lens before any corner is seen, by the state's noise and field: each coefficient
+/// of its radial profile is zero, with a sigma of 1, or of what moves the outermost corner by its own radius where that
+/// is more. Lenses from the rectilinear to the equidistant one (atan(r) / r) have coefficients of about 1 at most.
+///
+/// Without it, numerator and denominator leave a nearly common factor open, whose pole the noise puts just beyond the
+/// outermost corner: for a gain in the cost of less than 1, a lens that is none, far from the truth, at the end of a
+/// valley along which a solve creeps. What the corners determine it does not touch; nothing, where they are exact.
+/// Models without a denominator have no prior.
+///
+/// Noise and field are rounded, so that a solve from elsewhere weighs alike.
+///
+/// @param problem  its lens_priors of this camera are replaced
+/// @return         whether they changed
+bool weigh_lens_prior(CalibrationProblem& problem, const BundleState& state, int camera);
+
+}  // namespace raybundle

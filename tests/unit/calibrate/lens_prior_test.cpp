@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+
+// What is known of rational lenses beforehand.
+#include "raybundle/calibrate/lens_prior.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "raybundle/bundle/parameters.hpp"
+#include "raybundle/calibrate/calibrate.hpp"
+#include "synthetic_world.hpp"
+
+namespace raybundle {
+namespace {
+
+// A rational lens with 70 degrees across, before 20 boards.
+testing::SyntheticWorld world_of(double noise_px) {
+  testing::SyntheticOptions options;
+  options.columns = 14;
+  options.rows = 10;
+  options.square_m = 0.025;
+  options.frames = 20;
+  options.noise_px = noise_px;
+  options.max_tilt_rad = 0.7;
+  options.max_off_axis_rad = 0.35;
+  options.min_distance_m = 0.4;
+  options.cameras[0].model = "rational";
+  options.cameras[0].focal_px = 910.0;
+  return testing::synthetic_world(options);
+}
+
+BundleState true_state(const testing::SyntheticWorld& world) {
+  BundleState state{world.cameras, world.camera_from_rig, world.poses, world.shapes, world.pose_of_view, {}};
+  mark_projectable(world.problem, state);
+  return state;
+}
+
+Parameter parameter_named(const CalibrationProblem& problem, const std::string& name) {
+  for (const ParameterBlock& block : parameter_blocks(problem)) {
+    for (const Parameter& parameter : block.parameters) {
+      if (parameter.name == name) return parameter;
+    }
+  }
+  ADD_FAILURE() << name;
+  return {};
+}
+
+TEST(LensPrior, IsWeighedByNoiseAndField) {
+  const testing::SyntheticWorld world = world_of(0.3);
+  CalibrationProblem problem = world.problem;
+  const std::string camera = problem.cameras[0].name + ".";
+  ASSERT_TRUE(weigh_lens_prior(problem, true_state(world), 0));
+  EXPECT_FALSE(weigh_lens_prior(problem, true_state(world), 0)) << "the same again";
+  const Parameter k1 = parameter_named(problem, camera + "k1"), k6 = parameter_named(problem, camera + "k6");
+  EXPECT_EQ(k1.kind, ParameterRule::Kind::kPrior);
+  // Noise and field are each rounded by a fourth of an octave at most; the field is the tangent of 35 to 50 degrees.
+  const double noise = 0.3 / problem.views[0].observations[0].sigma_px, octaves = std::exp2(0.5);
+  EXPECT_GT(k1.sigma, 1.0 / noise / octaves);
+  EXPECT_LT(k1.sigma, 2.0 / noise * octaves);
+  EXPECT_GT(k6.sigma, k1.sigma);
+  EXPECT_EQ(parameter_named(problem, camera + "p1").kind, ParameterRule::Kind::kFree);
+}
+
+TEST(LensPrior, GivesWayToAnyRule) {
+  const testing::SyntheticWorld world = world_of(0.3);
+  CalibrationProblem problem = world.problem;
+  const std::string camera = problem.cameras[0].name + ".";
+  problem.rules = {{camera + "k6", ParameterRule::Kind::kFixed, 0.0, 0.0},
+                   {camera + "k2", ParameterRule::Kind::kFree, {}, 0.0}};
+  ASSERT_TRUE(weigh_lens_prior(problem, true_state(world), 0));
+  EXPECT_EQ(parameter_named(problem, camera + "k6").kind, ParameterRule::Kind::kFixed);
+  EXPECT_EQ(parameter_named(problem, camera + "k2").kind, ParameterRule::Kind::kFree);
+  EXPECT_EQ(parameter_named(problem, camera + "k1").kind, ParameterRule::Kind::kPrior);
+}
+
+TEST(LensPrior, IsOfModelsThatCanHaveAPoleOnly) {
+  testing::SyntheticOptions options;
+  const testing::SyntheticWorld world = testing::synthetic_world(options);
+  CalibrationProblem problem = world.problem;
+  EXPECT_FALSE(weigh_lens_prior(problem, true_state(world), 0));
+  EXPECT_TRUE(problem.lens_priors.empty());
+}
+
+// Without the prior these 2800 noisy corners are fitted best with a pole just beyond the outermost of them.
+TEST(LensPrior, KeepsPolesAwayFromTheCorners) {
+  const testing::SyntheticWorld world = world_of(0.3);
+  const BundleState truth = true_state(world);
+  CalibrationProblem problem = world.problem;
+  BundleState without = truth;
+  solve_bundle(problem, without);
+  weigh_lens_prior(problem, truth, 0);
+  BundleState with = truth;
+  solve_bundle(problem, with);
+  constexpr double kDegree = M_PI / 180.0;  // boards reach 40 to 50 degrees off the axis
+  EXPECT_LT(max_angle_rad(without.cameras[0]), 60 * kDegree);
+  EXPECT_GT(max_angle_rad(with.cameras[0]), 60 * kDegree);
+}
+
+// Exact corners tell all there is to tell: the prior weighs as nothing against them.
+TEST(LensPrior, LeavesExactCornersAlone) {
+  const testing::SyntheticWorld world = world_of(0.0);
+  const CalibrationResult result = calibrate(world.problem);
+  EXPECT_LT(result.rms_px, 1e-8);
+  ASSERT_FALSE(result.lens_priors.empty());
+}
+
+}  // namespace
+}  // namespace raybundle

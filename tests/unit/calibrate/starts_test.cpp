@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Random rigs on which calibrate() once came to a wrong optimum or refused wrongly, each for a reason of its own.
+// `./dev prove starts` goes through many more.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "start_verdict.hpp"
+
+namespace raybundle::testing {
+namespace {
+
+struct HardRig {
+  const char* name;
+  const char* model;
+  std::uint64_t seed;
+};
+
+class HardStart : public ::testing::TestWithParam<HardRig> {};
+
+TEST_P(HardStart, ReachesTheOptimumOfTheTruthOrIsRefusedRightly) {
+  const RandomRig rig = random_rig(*model_named(GetParam().model), GetParam().seed);
+  const TruthStart truth = start_from_truth(rig);
+  const Judgement judgement = judge_start(rig, truth);
+  EXPECT_FALSE(judgement.failed()) << judgement.why << "; " << rig.story;
+}
+
+INSTANTIATE_TEST_SUITE_P(Rigs, HardStart,
+                         ::testing::Values(HardRig{"LensesWithAPoleCrowdOutNoOthers", "rational", 57},
+                                           HardRig{"AViewThatAPoleCostComesBack", "thin_prism", 87},
+                                           HardRig{"ALensMayFoldShortlyBeyondItsCorners", "rational", 2054},
+                                           HardRig{"NoiseDoesNotOpenALens", "double_sphere", 2049},
+                                           HardRig{"AnOptimumMayLieFarOut", "unified", 2030},
+                                           HardRig{"ALensThatDoesNotComeToRestAndEndsIsRefused", "rational", 2060},
+                                           HardRig{"WrongOnesAmongFewCornersDoNotHideTheLens", "thin_prism", 82}),
+                         [](const auto& rig) { return std::string(rig.param.name); });
+
+}  // namespace
+}  // namespace raybundle::testing
