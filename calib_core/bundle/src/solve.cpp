@@ -31,7 +31,7 @@ class TrustRegion {
   }
 
  private:
-  double radius_ = 1e6;
+  double radius_ = 1e9;
   double shrink_ = 2.0;
 };
 
