@@ -55,9 +55,7 @@ void solve_camera_alone(const CalibrationProblem& problem, int camera, const Cal
   CameraOptimum optimum = leave_local_optima(single.problem, state, options, reasons, solved);
   alone.given_up[camera] = keep_lens_beyond_corners(single.problem, state, options, reasons, optimum);
   alone.summaries[camera] = optimum.summary;
-  if (problem.cameras.size() == 1) {
-    refuse_open_lens(single.problem, state, optimum.summary.termination, optimum.projection_sigma_px);
-  }
+  if (problem.cameras.size() == 1) refuse_open_lens(single.problem, state, optimum.projection_sigma_px);
   alone.cameras[camera] = state.cameras[0];
   std::vector<std::optional<Rigid3>> mirrored(single.views.size());
   if (problem.cameras.size() > 1) mirrored = mirrored_boards(single.problem, state);
