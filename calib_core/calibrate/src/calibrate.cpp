@@ -65,16 +65,24 @@ void warn_of_folds(const CalibrationProblem& problem, const BundleState& state, 
   }
 }
 
-// What the cameras tell together may bend a lens so that it ends among its corners.
-void keep_lenses_beyond_corners(CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
-                                std::vector<std::string>& reasons, JointSolve& solve) {
+// What the cameras tell together may bend a lens so that it ends among its corners. Where coefficients cannot be given
+// up the lenses stay what each camera alone tells.
+void keep_lenses_beyond_corners(CalibrationProblem& problem, const std::vector<Camera>& alone, BundleState& state,
+                                const CalibrateOptions& options, std::vector<std::string>& reasons, JointSolve& solve) {
   const auto solve_again = [&](const CalibrationProblem& simpler, BundleState& of_simpler) {
     return solve_jointly(simpler, of_simpler, options, reasons).summary;
   };
-  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
+  const int count = static_cast<int>(problem.cameras.size());
+  bool one_ends = false;
+  for (int c = 0; c < count; ++c) {
     if (!give_up_coefficients(problem, state, c, solve.summary, solve_again)) continue;
     solve = solve_jointly(problem, state, options, reasons, solve.summary);
   }
+  for (int c = 0; c < count; ++c) one_ends = one_ends || ends_among_corners(problem, state, c);
+  if (!one_ends) return;
+  state.cameras = alone;
+  mark_projectable(problem, state);
+  solve = solve_jointly(with_fixed_intrinsics(problem, state), state, options, reasons);
 }
 
 // Tells which coefficients are held at zero because their lens would end among its corners: of the rules from `first`
@@ -153,11 +161,12 @@ CalibrationResult calibrate_in_order(const CalibrationProblem& problem, const Ca
 
   // One bundle for everything.
   BundleState state = rig_state(sub.problem, alone, cameras, rig, fates);
+  const std::vector<Camera> lenses_alone = state.cameras;
   JointSolve solve;
   {
     const Stopwatch stopwatch(result.stages, "solve");
     solve = solve_jointly(sub.problem, state, options, reasons, alone.summaries[cameras.front()]);
-    keep_lenses_beyond_corners(sub.problem, state, options, reasons, solve);
+    keep_lenses_beyond_corners(sub.problem, lenses_alone, state, options, reasons, solve);
   }
   BundleOptions bundle;
   bundle.estimate_shape = solve.shape_estimated;

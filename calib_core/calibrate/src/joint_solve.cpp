@@ -16,14 +16,6 @@ namespace {
 constexpr int kMaxTieReviews = 10;
 constexpr double kSmallestShareKept = 0.25;  // of the frames that could tie the cameras
 
-CalibrationProblem with_fixed_intrinsics(const CalibrationProblem& problem, const BundleState& state) {
-  CalibrationProblem fixed = problem;
-  fixed.rules.push_back({"*.intrinsics", ParameterRule::Kind::kFixed, {}, 0.0});
-  // A fixed parameter goes to the problem's start, which is not what is to be held here.
-  for (std::size_t c = 0; c < state.cameras.size(); ++c) fixed.cameras[c].parameters = state.cameras[c].parameters;
-  return fixed;
-}
-
 BundleSummary solve_and_review_ties(const CalibrationProblem& problem, BundleState& state,
                                     const CalibrateOptions& options, TieReview& ties) {
   BundleOptions bundle;
@@ -117,6 +109,14 @@ bool data_carry_shape(const CalibrationProblem& problem, const BundleState& flat
 }
 
 }  // namespace
+
+CalibrationProblem with_fixed_intrinsics(const CalibrationProblem& problem, const BundleState& state) {
+  CalibrationProblem fixed = problem;
+  fixed.rules.push_back({"*.intrinsics", ParameterRule::Kind::kFixed, {}, 0.0});
+  // A fixed parameter goes to the problem's start, which is not what is to be held here.
+  for (std::size_t c = 0; c < state.cameras.size(); ++c) fixed.cameras[c].parameters = state.cameras[c].parameters;
+  return fixed;
+}
 
 JointSolve solve_jointly(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
                          std::vector<std::string>& reasons, const BundleSummary& solved) {

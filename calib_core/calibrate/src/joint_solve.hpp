@@ -17,6 +17,9 @@ struct JointSolve {
   bool shape_estimated = false;
 };
 
+/// The problem with all lenses held at what the state has.
+CalibrationProblem with_fixed_intrinsics(const CalibrationProblem& problem, const BundleState& state);
+
 /// One bundle for everything: which frames tie the cameras, which corners are outliers, and whether the boards are bent
 /// are settled along with the solve.
 ///
