@@ -81,13 +81,15 @@ double sigma_px(const Calibration& calibration, const RigCamera& camera, const s
   return std::max(sigma, projection_sigma_px(camera.camera, by_frame, rays));
 }
 
-// The rays of a solve's camera that lie where another calibration of it claims anything.
+// The rays of a solve's camera that lie where another calibration of it claims anything: in cells of the image where it
+// saw corners, and short of where its lens ends.
 std::vector<Eigen::Vector3d> rays_claimed(const RigCamera& reference, const std::vector<Eigen::Vector3d>& rays,
                                           const RigCamera& camera) {
   std::vector<Eigen::Vector3d> claimed;
   for (const Eigen::Vector3d& ray : rays) {
     const auto pixel = pixel_from_ray(reference.camera, ray);
-    if (pixel && camera.evidence->covers(camera.camera.size, *pixel)) claimed.push_back(ray);
+    if (!pixel || !camera.evidence->covers(camera.camera.size, *pixel)) continue;
+    if (ray_from_pixel(camera.camera, *pixel)) claimed.push_back(ray);
   }
   return claimed;
 }

@@ -66,9 +66,7 @@ void solve_camera_alone(const CalibrationProblem& problem, int camera, const Cal
   alone.given_up[camera] = keep_lens_beyond_corners(single.problem, state, options, reasons, optimum);
   alone.summaries[camera] = optimum.summary;
   std::ranges::copy(single.problem.lens_priors, std::back_inserter(alone.lens_priors));
-  if (problem.cameras.size() == 1) {
-    refuse_open_lens(single.problem, state, optimum.summary.termination, optimum.projection_sigma_px);
-  }
+  if (problem.cameras.size() == 1) refuse_open_lens(single.problem, state, optimum.projection_sigma_px);
   alone.cameras[camera] = state.cameras[0];
   std::vector<std::optional<Rigid3>> mirrored(single.views.size());
   if (problem.cameras.size() > 1) mirrored = mirrored_boards(single.problem, state);

@@ -10,7 +10,6 @@
 
 #include "local_optima.hpp"
 #include "raybundle/bundle/information.hpp"
-#include "raybundle/calibrate/lens_domain.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/rotation.hpp"
 #include "raybundle/uncertainty/covariance.hpp"
@@ -72,25 +71,15 @@ double projection_sigma_px(const CalibrationProblem& single, const BundleState& 
 
 bool leaves_lens_open(ImageSize size, double sigma_px) { return sigma_px > open_limit_px(size); }
 
-void refuse_open_lens(const CalibrationProblem& single, const BundleState& state, Termination termination,
-                      double sigma_px) {
+void refuse_open_lens(const CalibrationProblem& single, const BundleState& state, double sigma_px) {
   const ImageSize size = state.cameras[0].size;
-  const auto refuse = [&](const std::string& how) {
-    throw Error(ErrorKind::kNotEnoughData,
-                "the views leave the lens open: " + how +
-                    "; tilt the board by 20 to 45 degrees in some images, hold it near and far and in the corners, or "
-                    "choose a model with fewer parameters",
-                "camera " + single.cameras[0].name);
-  };
-  if (leaves_lens_open(size, sigma_px)) {
-    refuse(
-        fmt::format("its projection would be known to {:.0f} px only, and beyond {:.0f} px (2 % of the image) it is of "
-                    "no use",
-                    sigma_px, open_limit_px(size)));
-  }
-  if (termination == Termination::kIterationLimit && ends_among_corners(single, state, 0)) {
-    refuse("the solve does not come to rest, and its lens has a pole among the corners or turns back there");
-  }
+  if (!leaves_lens_open(size, sigma_px)) return;
+  throw Error(ErrorKind::kNotEnoughData,
+              fmt::format("the views leave the lens open: its projection would be known to {:.0f} px only, and beyond "
+                          "{:.0f} px (2 % of the image) it is of no use; tilt the board by 20 to 45 degrees in some "
+                          "images, hold it near and far and in the corners, or choose a model with fewer parameters",
+                          sigma_px, open_limit_px(size)),
+              "camera " + single.cameras[0].name);
 }
 
 }  // namespace raybundle

@@ -13,12 +13,10 @@ double projection_sigma_px(const CalibrationProblem& single, const BundleState& 
 /// Whether a projection that is known no better leaves the lens open: by more than 2 % of the image.
 bool leaves_lens_open(ImageSize size, double sigma_px);
 
-/// Refuses a lens of a camera by itself that the views leave open: by its sigma, or because the solve has not come to
-/// rest and the lens ends among its corners.
+/// Refuses a lens of a camera by itself that the views leave open.
 ///
 /// @param sigma_px  projection_sigma_px() of the camera
 /// @throws Error(kNotEnoughData)
-void refuse_open_lens(const CalibrationProblem& single, const BundleState& state, Termination termination,
-                      double sigma_px);
+void refuse_open_lens(const CalibrationProblem& single, const BundleState& state, double sigma_px);
 
 }  // namespace raybundle

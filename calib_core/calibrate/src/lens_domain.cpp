@@ -48,7 +48,7 @@ struct Simpler {
   BundleSummary summary;
 
   bool reaches_beyond_corners(int camera) const {
-    return summary.termination == Termination::kConverged && !ends_among_corners(problem, state, camera);
+    return summary.termination != Termination::kFailed && !ends_among_corners(problem, state, camera);
   }
 };
 

@@ -151,8 +151,8 @@ TruthStart start_from_truth(const RandomRig& rig) {
   const Optimum optimum = optimum_from_truth(with_lens_prior(rig, rig.truth), rig.truth);
   TruthStart start{.optimum = optimum.state, .cost = optimum.summary.final_cost};
   start.projection_sigma_px = std::numeric_limits<double>::infinity();
-  ReducedInformation information = reduced_information(rig.problem, optimum.state);  // of the model asked for
-  information.chi2 = std::max(0, information.residuals - information.parameters);    // the noise is known
+  ReducedInformation information = reduced_information(optimum.problem, optimum.state);
+  information.chi2 = std::max(0, information.residuals - information.parameters);  // the noise is known
   const CovarianceResult known = covariance(information);
   if (known.unseen) return start;
   const Camera& camera = start.optimum.cameras[0];

@@ -33,7 +33,7 @@ INSTANTIATE_TEST_SUITE_P(Rigs, HardStart,
                                            HardRig{"ALensMayFoldShortlyBeyondItsCorners", "rational", 2054},
                                            HardRig{"NoiseDoesNotOpenALens", "double_sphere", 2049},
                                            HardRig{"AnOptimumMayLieFarOut", "unified", 2030},
-                                           HardRig{"ALensThatDoesNotComeToRestAndEndsIsRefused", "rational", 2060},
+                                           HardRig{"CoefficientsAreGivenUpWhereNothingComesToRest", "rational", 2060},
                                            HardRig{"WrongOnesAmongFewCornersDoNotHideTheLens", "thin_prism", 82}),
                          [](const auto& rig) { return std::string(rig.param.name); });
 
