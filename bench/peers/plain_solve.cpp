@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "plain_solve.hpp"
 
+#include <algorithm>
+
+#include "raybundle/calibrate/lens_domain.hpp"
 #include "raybundle/calibrate/lens_prior.hpp"
 #include "raybundle/initialize/camera_start.hpp"
 #include "raybundle/initialize/rig_start.hpp"
@@ -29,7 +32,18 @@ OneCamera one_camera(const CalibrationProblem& problem, std::size_t camera) {
   return one;
 }
 
-BundleState solve_one(CalibrationProblem problem) {
+// Copies the problem only where a lens has a prior.
+void solve_with_priors(const CalibrationProblem& problem, BundleState& state) {
+  if (std::ranges::none_of(problem.cameras, can_have_pole, &ProblemCamera::model)) {
+    solve_bundle(problem, state);
+    return;
+  }
+  CalibrationProblem weighed = problem;
+  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) weigh_lens_prior(weighed, state, c);
+  solve_bundle(weighed, state);
+}
+
+BundleState solve_one(const CalibrationProblem& problem) {
   const CameraStart start = initialize_camera(problem, 0);
   BundleState state;
   state.cameras = {start.camera};
@@ -41,14 +55,13 @@ BundleState solve_one(CalibrationProblem problem) {
     state.poses.push_back({problem.views[v].frame, problem.views[v].target, *start.camera_from_target[v]});
   }
   mark_projectable(problem, state);
-  weigh_lens_prior(problem, state, 0);
-  solve_bundle(problem, state);
+  solve_with_priors(problem, state);
   return state;
 }
 
 }  // namespace
 
-BundleState plain_solve(CalibrationProblem problem) {
+BundleState plain_solve(const CalibrationProblem& problem) {
   if (problem.cameras.size() == 1) return solve_one(problem);
   BundleState together;
   std::vector<std::optional<Rigid3>> camera_from_target(problem.views.size());
@@ -67,8 +80,7 @@ BundleState plain_solve(CalibrationProblem problem) {
   together.pose_of_view = rig.pose_of_view;
   together.shapes.resize(problem.targets.size());
   mark_projectable(problem, together);
-  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) weigh_lens_prior(problem, together, c);
-  solve_bundle(problem, together);
+  solve_with_priors(problem, together);
   return together;
 }
 

@@ -10,6 +10,6 @@ namespace raybundle::bench {
 /// other optima, bends the board and gives sigmas.
 ///
 /// @return  cameras and rig; pairs and rigs are solved camera by camera first, then together
-BundleState plain_solve(CalibrationProblem problem);
+BundleState plain_solve(const CalibrationProblem& problem);
 
 }  // namespace raybundle::bench

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "camera_corners.hpp"
 #include "raybundle/bundle/parameters.hpp"
@@ -17,9 +18,19 @@ namespace {
 // Times the farthest corner's angle: nearer to where a profile turns back the image is squeezed more than tenfold, and
 // no detector finds a corner.
 constexpr double kBeyond = 1.02;
+// Times its radius in the plane: real profiles have no pole, and so near it bends them among the corners.
+constexpr double kPoleBeyond = 1.22;
 constexpr double kPlainlyWorse = 1.2;    // times the noise under the lens that ends among its corners
 constexpr double kExact = 1e-3;          // of a corner's sigma: less noise than that is rounding
 constexpr int kFirstShapeParameter = 4;  // after fx, fy, cx and cy
+
+// Radius in the plane at which a model's profile has a pole.
+template <int n>
+double pole_radius(const DistortedPinhole<n>*, const double* coefficients) {
+  if constexpr (PlaneDistortion<n>::kHasDenominator) return PlaneDistortion<n>::pole_radius(coefficients);
+  return std::numeric_limits<double>::infinity();
+}
+double pole_radius(const void*, const double*) { return std::numeric_limits<double>::infinity(); }
 
 template <int n>
 constexpr bool has_denominator(const DistortedPinhole<n>*) {
@@ -89,6 +100,10 @@ bool ends_among_corners(const CalibrationProblem& problem, const BundleState& st
   double cosine = 1.0;  // of the farthest corner's angle off the axis
   for (const Eigen::Vector3d& ray : used_corners(problem, state, camera).rays) cosine = std::min(cosine, ray.z());
   const double farthest_rad = std::acos(cosine);
+  const double pole = with_model(state.cameras[camera].model, [&]<CameraModel M>() {
+    return pole_radius(static_cast<const M*>(nullptr), state.cameras[camera].parameters.data() + kFirstShapeParameter);
+  });
+  if (farthest_rad < M_PI_2 && pole < kPoleBeyond * std::tan(farthest_rad)) return true;
   const double wanted_rad = kBeyond * farthest_rad;
   // A rectilinear lens that has no end reaches just 90 degrees.
   return max_angle_rad(state.cameras[camera]) < (farthest_rad < M_PI_2 ? std::min(wanted_rad, M_PI_2) : wanted_rad);

@@ -125,6 +125,12 @@ struct PlaneDistortion {
     return at.determinant > 0 && at.error <= 8.0 * rounding && std::hypot(plane[0], plane[1]) <= limit;
   }
 
+  /// Radius up to which the denominator is positive; may be infinite.
+  static double pole_radius(const double* k) requires kHasDenominator {
+    const double root = first_root(bernstein_to_infinity(std::array<double, 4>{1.0, k[5], k[6], k[7]}));
+    return root < 1.0 ? std::sqrt(root / (1.0 - root)) : std::numeric_limits<double>::infinity();
+  }
+
   /// Radius up to which the radial profile r s(r) increases and its denominator is positive; may be infinite.
   static double max_radius(const double* k) {
     double root;  // in v = r² / (1 + r²)
