@@ -27,7 +27,6 @@ constexpr std::size_t kMostViews = 100;  // of which one could move the camera
 constexpr std::size_t kOfEachSide = 4;   // cameras along the valley
 constexpr double kReadmitted = 4.0;      // times the limit of outliers
 constexpr double kMirroredGain = 1e-6;   // relative: by which a mirrored board's squares must be smaller
-constexpr double kSameNoise = 1.02;      // a lens that keeps more corners may leave so much more in them
 
 std::size_t count_used(const BundleState& state) {
   std::size_t used = 0;
@@ -154,31 +153,6 @@ bool readmit_corners(const CalibrationProblem& single, BundleState& state, const
   return true;
 }
 
-// Corners that a lens does not project, beyond a pole of its profile say, cannot pull it back: it may have made room
-// for the others at their cost. Fits the lens anew to all corners and takes it when it keeps more of them as well.
-void win_back_unprojectable(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
-                            std::vector<std::string>& reasons, BundleSummary& summary) {
-  bool lost = false;
-  for (std::size_t v = 0; v < single.views.size() && !lost; ++v) {
-    lost = state.pose_of_view[v] >= 0 && std::ranges::count(state.fates[v], ObservationFate::kUnprojectable) > 0;
-  }
-  if (!lost) return;
-  const CameraCorners corners = right_corners(single, state, 0);
-  BundleState other = state;
-  other.cameras[0] = fitted_anew(state.cameras[0], corners.rays, corners.pixels);
-  mark_projectable(single, other);
-  if (count_used(other) <= count_used(state)) return;
-  if (solve_robustly(single, other, options).termination == Termination::kFailed) return;
-  std::vector<std::string> other_reasons = reasons;
-  const BundleSummary of_other = solve_without_outliers(single, other, options, false, other_reasons);
-  if (of_other.termination == Termination::kFailed || count_used(other) <= count_used(state)) return;
-  if (!(robust_sigmas(single, other)[0] <= kSameNoise * robust_sigmas(single, state)[0])) return;
-  if (spoils_lens(single, state, other)) return;
-  state = std::move(other);
-  reasons = std::move(other_reasons);
-  summary = of_other;
-}
-
 }  // namespace
 
 std::vector<Eigen::Vector3d> rays_seen(const CalibrationProblem& single, const BundleState& state) {
@@ -227,7 +201,6 @@ CameraOptimum leave_local_optima(const CalibrationProblem& single, BundleState& 
   if (try_mirrored_boards(single, state, std::move(mirrored), options, summary)) {
     summary = solve_without_outliers(single, state, options, false, reasons, summary);
   }
-  if (!failed()) win_back_unprojectable(single, state, options, reasons, summary);
   const auto measure = [&] {
     optimum.projection_sigma_px = failed() ? std::nan("") : projection_sigma_px(single, state, options.threads);
   };
