@@ -66,8 +66,8 @@ void warn_of_folds(const CalibrationProblem& problem, const BundleState& state, 
 }
 
 // What the cameras tell together may bend a lens so that it ends among its corners. Where coefficients cannot be given
-// up the lenses stay what each camera alone tells.
-void keep_lenses_beyond_corners(CalibrationProblem& problem, const std::vector<Camera>& alone, BundleState& state,
+// up the lenses stay what each camera alone tells, and true is returned.
+bool keep_lenses_beyond_corners(CalibrationProblem& problem, const std::vector<Camera>& alone, BundleState& state,
                                 const CalibrateOptions& options, std::vector<std::string>& reasons, JointSolve& solve) {
   const auto solve_again = [&](const CalibrationProblem& simpler, BundleState& of_simpler) {
     return solve_jointly(simpler, of_simpler, options, reasons).summary;
@@ -79,10 +79,11 @@ void keep_lenses_beyond_corners(CalibrationProblem& problem, const std::vector<C
     solve = solve_jointly(problem, state, options, reasons, solve.summary);
   }
   for (int c = 0; c < count; ++c) one_ends = one_ends || ends_among_corners(problem, state, c);
-  if (!one_ends) return;
+  if (!one_ends) return false;
   state.cameras = alone;
   mark_projectable(problem, state);
   solve = solve_jointly(with_fixed_intrinsics(problem, state), state, options, reasons);
+  return true;
 }
 
 // Tells which coefficients are held at zero because their lens would end among its corners: of the rules from `first`
@@ -166,7 +167,12 @@ CalibrationResult calibrate_in_order(const CalibrationProblem& problem, const Ca
   {
     const Stopwatch stopwatch(result.stages, "solve");
     solve = solve_jointly(sub.problem, state, options, reasons, alone.summaries[cameras.front()]);
-    keep_lenses_beyond_corners(sub.problem, lenses_alone, state, options, reasons, solve);
+    if (keep_lenses_beyond_corners(sub.problem, lenses_alone, state, options, reasons, solve)) {
+      result.warnings.push_back(
+          "the lenses are what each camera alone tells: together the views would end one of them among its corners; "
+          "add "
+          "views, or choose a model with fewer parameters");
+    }
   }
   BundleOptions bundle;
   bundle.estimate_shape = solve.shape_estimated;
