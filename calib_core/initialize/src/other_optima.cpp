@@ -22,7 +22,7 @@ constexpr double kLargestRatio = 4.0;   ///< of the squared distances of a mirro
 constexpr double kHopeless = 60.0;      ///< the same, before the pose has settled, ...
 constexpr std::size_t kFirstLook = 24;  ///< ... of some corners
 constexpr double kNoneWrongPx = 50.0;   ///< scale of the loss: the corners are right, only the pose may be far off
-constexpr double kNarrow = 0.5;         ///< a board that spreads less across its length has another pose about it
+constexpr double kNarrow = 0.5;         ///< a board that spreads less across its length takes longer to settle
 constexpr double kSameRad = 1e-3;       ///< the way led back to the given pose
 
 double sum_of_squares(const LensFunctions& lens, const LensVector& parameters, const PointsInView& view,
@@ -30,19 +30,6 @@ double sum_of_squares(const LensFunctions& lens, const LensVector& parameters, c
   std::vector<double> distances;
   pixel_distances(lens, parameters.data(), view, pose, distances);
   return std::accumulate(distances.begin(), distances.end(), 0.0, [](double sum, double d) { return sum + d * d; });
-}
-
-/// The pose from which a narrow board looks nearly the same: turned about its length, so that what stands off it comes
-/// to the other side in depth. mirrored_pose() would tilt its length too, which its perspective tells.
-Rigid3 turned_about_length(const Rigid3& camera_from_target, const PrincipalFrame& frame) {
-  const Eigen::Vector3d centre = camera_from_target * frame.centre;
-  Eigen::Matrix3d axes = camera_from_target.rotation.toRotationMatrix() * frame.local_from_target.transpose();
-  const Eigen::Vector3d length = axes.col(0);
-  const Eigen::Vector3d depth = (centre - centre.dot(length) * length).normalized();
-  axes.col(1) -= 2.0 * axes.col(1).dot(depth) * depth;
-  axes.col(2) = length.cross(axes.col(1));
-  const Eigen::Matrix3d rotation = axes * frame.local_from_target;
-  return {Eigen::Quaterniond(rotation).normalized(), centre - rotation * frame.centre};
 }
 
 }  // namespace
@@ -99,22 +86,17 @@ std::optional<MirroredPose> find_mirrored_pose(const Camera& camera, std::span<c
   options.scale_px = kNoneWrongPx;
   const PointsInView some = thinned(view, kFirstLook);
   const double limit = kHopeless * sum_of_squares(lens, parameters, some, camera_from_target);
-  std::vector<Rigid3> others{mirrored_pose(camera_from_target, frame)};
+  std::vector<Rigid3> pose{mirrored_pose(camera_from_target, frame)};
   const bool narrow = frame.spread[1] < kNarrow * frame.spread[0];
-  if (narrow) others.push_back(turned_about_length(camera_from_target, frame));
-  std::optional<MirroredPose> best;
-  for (const Rigid3& other : others) {
-    std::vector<Rigid3> pose{other};
-    options.max_iterations = narrow ? 12 : 4;  // most boards fit one of the two only, and are soon known to
-    refine_lens(lens, {some}, options, parameters, pose);
-    if (!(sum_of_squares(lens, parameters, some, pose[0]) < limit)) continue;
-    options.max_iterations = 20;
-    refine_lens(lens, {view}, options, parameters, pose);
-    if (pose[0].rotation.angularDistance(camera_from_target.rotation) < kSameRad) continue;
-    const double ratio = sum_of_squares(lens, parameters, view, pose[0]) / squares;
-    if (ratio < kLargestRatio && !(best && best->squares_ratio <= ratio)) best = MirroredPose{pose[0], ratio};
-  }
-  return best;
+  options.max_iterations = narrow ? 12 : 4;  // most boards fit one of the two only, and are soon known to
+  refine_lens(lens, {some}, options, parameters, pose);
+  if (!(sum_of_squares(lens, parameters, some, pose[0]) < limit)) return std::nullopt;
+  options.max_iterations = 20;
+  refine_lens(lens, {view}, options, parameters, pose);
+  if (pose[0].rotation.angularDistance(camera_from_target.rotation) < kSameRad) return std::nullopt;
+  const double ratio = sum_of_squares(lens, parameters, view, pose[0]) / squares;
+  if (!(ratio < kLargestRatio)) return std::nullopt;
+  return MirroredPose{pose[0], ratio};
 }
 
 }  // namespace raybundle

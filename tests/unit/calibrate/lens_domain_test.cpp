@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "raybundle/calibrate/calibrate.hpp"
 #include "synthetic_world.hpp"
@@ -101,6 +102,51 @@ TEST(LensDomain, AStartThatEndsAmongTheCornersLosesNone) {
     EXPECT_THAT(view.fates, ::testing::Each(ObservationFate::kUsed));
   }
   EXPECT_LT(result.rms_px, 1e-6);
+}
+
+// A small board and few frames, in which it moved between the exposures: ties that would bend both lenses.
+testing::SyntheticWorld moving_world(unsigned seed) {
+  testing::SyntheticOptions options;
+  options.seed = seed;
+  options.columns = 5;
+  options.rows = 3;
+  options.square_m = 0.05;
+  options.frames = 5 + static_cast<int>(seed) % 4;
+  options.noise_px = 0.3;
+  options.max_off_axis_rad = 0.4;
+  options.min_points = 6;
+  testing::SyntheticCamera camera;
+  camera.model = "rational";
+  camera.size = {1280, 720};
+  camera.focal_px = 700;
+  options.cameras = {camera, camera};
+  options.cameras[1].camera_from_rig.translation = {-0.1, 0, 0};
+  testing::SyntheticWorld world = synthetic_world(options);
+  for (TargetView& view : world.problem.views) {
+    if (view.camera == 0) continue;
+    const Eigen::Vector2d moved_px(6 * std::sin(2.1 * view.frame), 6 * std::cos(3.3 * view.frame));
+    for (Observation& observation : view.observations) observation.pixel += moved_px;
+  }
+  return world;
+}
+
+TEST(LensDomain, TiesEndNoLensAmongItsCorners) {
+  for (const unsigned seed : {1u, 7u, 30u}) {
+    const testing::SyntheticWorld world = moving_world(seed);
+    const CalibrationResult result = calibrate(world.problem, {.threads = 1});
+    BundleState state{
+        .cameras = {}, .camera_from_rig = {}, .poses = result.poses, .shapes = {}, .pose_of_view = {}, .fates = {}};
+    for (const RigCamera& camera : result.calibration.cameras) {
+      state.cameras.push_back(camera.camera);
+      state.camera_from_rig.push_back(camera.camera_from_rig);
+    }
+    for (const ViewResult& view : result.views) {
+      state.pose_of_view.push_back(view.pose);
+      state.fates.push_back(view.fates);
+    }
+    ASSERT_EQ(state.cameras.size(), 2u) << seed;
+    for (int c = 0; c < 2; ++c) EXPECT_FALSE(ends_among_corners(world.problem, state, c)) << seed << ", camera " << c;
+  }
 }
 
 }  // namespace

@@ -45,8 +45,7 @@ struct MirroredPose {
   double squares_ratio = 0.0;  ///< squared distances over those of the given pose; below 1 it fits better
 };
 
-/// Small or far boards have a mirrored pose, and a solve that starts there stays there. Of a narrow board the pose
-/// turned about its length is tried as well, and the better of both given.
+/// Small or far boards have a mirrored pose, and a solve that starts there stays there.
 ///
 /// @param points_in_target  N [m]
 /// @param pixels            N, same order, without wrong ones
