@@ -28,6 +28,15 @@ std::string toml_of(const ordered_json& object) {
   return text;
 }
 
+std::string toml_of(const std::vector<Eigen::AlignedBox3d>& fixtures) {
+  std::string text;
+  for (const Eigen::AlignedBox3d& fixture : fixtures) {
+    text +=
+        "[[fixture]]\n" + toml_of(ordered_json{{"low_m", numbers(fixture.min())}, {"high_m", numbers(fixture.max())}});
+  }
+  return text;
+}
+
 }  // namespace
 
 ordered_json json_from_layout(const CabinLayout& layout) {
@@ -63,12 +72,13 @@ ordered_json json_from_truth(const CockpitTruth& truth) {
 std::string vehicle_toml(const CabinLayout& layout, const CabinSensor& sensor) {
   const Rigid3& known = sensor.known_vehicle_from_rig;
   const std::string vehicle = "[vehicle]\n" + toml_of(json_from_layout(layout));
-  if (!sensor.rig.emitter) return vehicle + "[stereo]\n" + toml_of(json_from_pose(known));
+  const std::string fixtures = toml_of(layout.fixtures);
+  if (!sensor.rig.emitter) return vehicle + "[stereo]\n" + toml_of(json_from_pose(known)) + fixtures;
   const Emitter& emitter = *sensor.rig.emitter;
   ordered_json section{{"rows", emitter.grid.rows}, {"columns", emitter.grid.columns}};
   section.update(json_from_pose(known * sensor.rig.cameras.front().camera_from_rig.inverse()));
   section["viewpoint_m"] = numbers(known * emitter.rig_from_emitter.translation);
-  return vehicle + "[sensor]\n" + toml_of(section);
+  return vehicle + "[sensor]\n" + toml_of(section) + fixtures;
 }
 
 std::string cockpit_frame_name(int scene, int frame) { return fmt::format("{:05d}_{:03d}", scene, frame); }

@@ -111,7 +111,8 @@ class StereoSeat {
            at.rotation.coeffs() == to.rotation.coeffs() && at.translation == to.translation;
   }
 
-  Occupancy process(const StereoFrame& frame) { return monitor_.process(scan_.of(frame)); }
+  /// What the watch says of the seat comes first: the cases' boxes are those of the seat as it was fitted.
+  Occupancy process(const StereoFrame& frame) { return monitor_.process(scan_.of(frame), watch_.seat()); }
   CabinWatch& watch() { return watch_; }
 
  private:

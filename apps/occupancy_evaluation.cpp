@@ -8,6 +8,7 @@
 
 #include "each_index.hpp"
 #include "occupancy_chain.hpp"
+#include "raybundle/occupancy/seat_fit.hpp"
 
 namespace raybundle::apps {
 namespace {
@@ -47,14 +48,28 @@ NearestDots nearest_dots(const MeasuredScene& scene, const ZoneCount& told, cons
   return dots;
 }
 
+// The seat before anybody sat down on it: the same seed is the same car with the same seat.
+SeatWatch empty_seat(ChainSource& source, const CockpitRequest& cockpit, const EvaluationOptions& options) {
+  SeatWatch watch;
+  for (int frame = 0; frame < options.empty_frames; ++frame) {
+    const double time_s = (frame - options.empty_frames) * options.frame_s;
+    const MeasuredScene scene = source.measured(
+        CabinScene(make_cockpit({cockpit.generator, cockpit.seed, CabinClass::kEmpty, time_s})), time_s);
+    watch.add(fit_seat(scene.layout, scene.scan()));
+  }
+  return watch;
+}
+
+/// @param seat  before the first frame
 template <typename Source>
-Trial trial(const CaseBase& base, const EvaluationOptions& options, Source source) {
+Trial trial(const CaseBase& base, const EvaluationOptions& options, Source source, SeatWatch seat = {}) {
   Trial trial;
   std::optional<OccupancyMonitor> monitor;
   for (int frame = 0; frame < options.frames; ++frame) {
     const MeasuredScene scene = source.at(frame * options.frame_s);
     if (!monitor) monitor.emplace(scene.layout, base, scene.rays, options.monitor);
-    trial.answer = monitor->process(scene.scan());
+    if (options.kind == SensorKind::kStereo) seat.add(fit_seat(scene.layout, scene.scan()));
+    trial.answer = monitor->process(scene.scan(), seat.pose());
     trial.truth = scene.truth;
     trial.dots = nearest_dots(scene, trial.answer.zones, options.monitor.zones);
   }
@@ -123,8 +138,14 @@ Evaluation evaluate(const CaseBase& base, const EvaluationOptions& options) {
   std::vector<Trial> trials(static_cast<std::size_t>(options.scenes));
   for_each_index(trials.size(), options.threads, [&](std::size_t i) {
     const SceneRequest request{options.kind, {options.generator, options.seed + i, {}, 0.0}, options.grid};
-    const bool images = options.chain || options.kind == SensorKind::kStereo;
-    trials[i] = images ? trial(base, options, ChainSource(request)) : trial(base, options, SceneSource(request));
+    if (options.kind == SensorKind::kStereo) {
+      ChainSource source(request);
+      const SeatWatch seat = empty_seat(source, request.cockpit, options);
+      trials[i] = trial(base, options, std::move(source), seat);
+    } else {
+      trials[i] =
+          options.chain ? trial(base, options, ChainSource(request)) : trial(base, options, SceneSource(request));
+    }
     if (options.scene_done) options.scene_done();
   });
   Evaluation sum;

@@ -24,6 +24,7 @@ struct EvaluationOptions {
   int scenes = 1000;
   int frames = 3;        ///< of each scene; the last one is judged
   double frame_s = 0.1;  ///< between frames
+  int empty_frames = 3;  ///< of stereo, before: the seat is fitted while nobody sits on it
   MonitorOptions monitor;
   bool chain = false;  ///< laser: images are rendered and the runtime makes points of them, as always for stereo
   int threads = 1;

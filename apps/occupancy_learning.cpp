@@ -67,6 +67,17 @@ AirbagAction action_to_learn(const MeasuredScene& scene, const SimulatedLearning
   return AirbagAction::kNoFire;
 }
 
+// As a runtime would have fitted it to pairs as small as those that are learnt from, when the seat was empty; or amid
+// its travel, when it never was.
+SeatPose seat_as_known(const SeatSetting& truth, const SimulatedLearning& how, std::uint64_t seed) {
+  Random random(seed, 73);
+  if (random.chance(how.seat_unseen)) return {};
+  const auto measured = [&](double value, double sigma) { return value + sigma * random.normal(); };
+  return {{measured(truth.bight.x(), how.seat_sigma_m), measured(truth.bight.z(), how.seat_sigma_m)},
+          measured(truth.recline_rad, how.seat_sigma_rad),
+          measured(truth.cushion_pitch_rad, how.seat_sigma_rad)};
+}
+
 // A smooth field of random waves, of unit scatter.
 class Waves {
  public:
@@ -94,6 +105,16 @@ class Waves {
   };
   std::array<Wave, 8> waves_;
 };
+
+// Of a car that is stretched and then shifted.
+SeatPose moved_seat(const SeatPose& seat, const Eigen::Matrix3d& stretch, const Eigen::Vector3d& shift) {
+  const auto turned = [&](const Eigen::Vector2d& x) -> Eigen::Vector3d {
+    return stretch * Eigen::Vector3d(x.x(), 0.0, x.y());
+  };
+  const Eigen::Vector3d bight = turned(seat.bight) + shift, up = turned(seat.back_up()),
+                        forward = turned(seat.cushion_forward());
+  return {{bight.x(), bight.z()}, std::atan2(-up.x(), up.z()), std::atan2(forward.z(), forward.x())};
+}
 
 // Cases that vote, and which of them judge: the last ones.
 int voting_of(const SimulatedLearning& how) { return std::min(how.most_voting, how.scenes / 4); }
@@ -139,6 +160,7 @@ MeasuredScene as_in_another_car(MeasuredScene scene, const SimulatedLearning& ho
   layout.dashboard_top_m = height(layout.dashboard_top_m);
   layout.zone_floor_m = height(layout.zone_floor_m);
   layout.dashboard_x_m = moved({dashboard_x_m, 0.0, 0.0}, false).x();
+  other.seat = moved_seat(scene.seat, stretch, shift);
   other.viewpoint_in_vehicle = eye;
   other.points.clear(), other.parts.clear(), other.true_points.clear();
   for (std::size_t i = 0; i < scene.points.size(); ++i) {
@@ -173,7 +195,7 @@ LabelledCases simulated_cases(const SimulatedLearning& how) {
                       .voting = voting,
                       .judging = judging_of(how)};
   const auto add = [&](std::size_t n, const MeasuredScene& seen) {
-    cases.attributes.col(static_cast<Eigen::Index>(n)) = set.attributes(seen.layout, SeatPose{}, seen.scan());
+    cases.attributes.col(static_cast<Eigen::Index>(n)) = set.attributes(seen.layout, seen.seat, seen.scan());
     cases.classes[n] = static_cast<std::uint8_t>(seen.truth.seat_class);
     cases.actions[n] = action_to_learn(seen, how);
   };
@@ -183,8 +205,9 @@ LabelledCases simulated_cases(const SimulatedLearning& how) {
     const auto seen_in_car = [&](std::size_t car) {
       const std::uint64_t sensor_seed = seed_in_car(seed, car);
       const SceneRequest request{how.kind, {CockpitGenerator::kTraining, sensor_seed, {}, 0.0}, how.grid};
-      const MeasuredScene scene = how.kind == SensorKind::kStereo ? ChainSource(request).measured(cabin, 0.0)
-                                                                  : SceneSource(request).measured(cabin, 0.0);
+      MeasuredScene scene = how.kind == SensorKind::kStereo ? ChainSource(request).measured(cabin, 0.0)
+                                                            : SceneSource(request).measured(cabin, 0.0);
+      if (how.kind == SensorKind::kStereo) scene.seat = seat_as_known(scene.truth.seat, how, sensor_seed);
       return car == 0 ? scene : as_in_another_car(scene, how, sensor_seed);
     };
     const auto first_voting = static_cast<std::size_t>(learnt), all = static_cast<std::size_t>(copies);

@@ -31,7 +31,10 @@ struct SimulatedLearning {
   double car_shift_m = 0.04;   ///< how much their seats are elsewhere
   double car_shape_m = 0.015;  ///< how much surfaces there bulge otherwise
   double car_lost = 0.1;       ///< share of the points that are lost there
-  double margin_m = 0.05;      ///< actions are learnt as if everybody were nearer to the dashboard by this
+  double seat_unseen = 0.1;    ///< share of the cases of stereo that do not know how the seat is set
+  double seat_sigma_m = 0.02;  ///< of where it is to the others: as fit_seat() errs before pairs of 128x128
+  double seat_sigma_rad = 0.05;  ///< of its recline and pitch
+  double margin_m = 0.05;        ///< actions are learnt as if everybody were nearer to the dashboard by this
   int threads = 1;
   std::function<void()> scene_done = {};  ///< called after each scene, from any thread
 };

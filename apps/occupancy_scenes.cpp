@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "occupancy_scenes.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
@@ -16,17 +17,20 @@ CabinSensor sensor_of(const SceneRequest& request) {
 }
 
 VehicleLayout vehicle_layout(const CabinLayout& layout) {
-  return {.dashboard_x_m = layout.dashboard_x_m,
-          .dashboard_top_m = layout.dashboard_top_m,
-          .zone_floor_m = layout.zone_floor_m,
-          .zone_half_width_m = layout.zone_half_width_m,
-          .critical_m = layout.critical_m,
-          .out_of_position_m = layout.out_of_position_m,
-          .track_m = layout.track_m,
-          .lift_m = layout.lift_m,
-          .least_recline_rad = layout.least_recline_rad,
-          .most_recline_rad = layout.most_recline_rad,
-          .roof_m = layout.roof_m};
+  VehicleLayout vehicle{.dashboard_x_m = layout.dashboard_x_m,
+                        .dashboard_top_m = layout.dashboard_top_m,
+                        .zone_floor_m = layout.zone_floor_m,
+                        .zone_half_width_m = layout.zone_half_width_m,
+                        .critical_m = layout.critical_m,
+                        .out_of_position_m = layout.out_of_position_m,
+                        .track_m = layout.track_m,
+                        .lift_m = layout.lift_m,
+                        .least_recline_rad = layout.least_recline_rad,
+                        .most_recline_rad = layout.most_recline_rad,
+                        .roof_m = layout.roof_m};
+  assert(layout.fixtures.size() <= vehicle.fixtures.size());
+  std::ranges::copy(layout.fixtures, vehicle.fixtures.begin());
+  return vehicle;
 }
 
 SceneSource::SceneSource(const SceneRequest& request) : request_(request), sensor_(sensor_of(request)) {

@@ -8,6 +8,7 @@
 #include "raybundle/cockpit/cabin_scene.hpp"
 #include "raybundle/cockpit/sensor.hpp"
 #include "raybundle/occupancy/scan.hpp"
+#include "raybundle/occupancy/seat.hpp"
 #include "raybundle/occupancy/vehicle.hpp"
 
 namespace raybundle::apps {
@@ -22,6 +23,7 @@ struct MeasuredScene {
   std::vector<ScenePoint> points;
   std::vector<CabinPart> parts;              ///< truth, aligned with points
   std::vector<Eigen::Vector3d> true_points;  ///< [m] in the vehicle frame, of dots, aligned with points; else none
+  SeatPose seat;                             ///< as far as the sensor knows it: as it was fitted, or amid its travel
   int rays = 0;
   State state = State::kOk;  ///< of the sensor
 

@@ -82,12 +82,10 @@ Scan CabinWatch::scan_of(const StereoFrame& frame) {
   return {vehicle_from_rectified_.translation, points_, rows * columns, frame.state};
 }
 
-SeatPose CabinWatch::known_seat() const { return watch_.frames() > 0 ? watch_.seat().pose : SeatPose{}; }
-
 double CabinWatch::chin_m() const {
   constexpr double kChin_m = 0.50, kLeast_m = 0.20;
   if (!head_.found) return kChin_m;
-  const SeatPose seat = known_seat();
+  const SeatPose seat = watch_.pose();
   const Eigen::Vector2d from_bight = Eigen::Vector2d(head_.centre.x(), head_.centre.z()) - seat.bight;
   return std::max(kLeast_m, from_bight.dot(seat.back_up()) - head_.semi_axes_m.z());
 }
@@ -95,7 +93,7 @@ double CabinWatch::chin_m() const {
 Json CabinWatch::take(const StereoFrame& frame) {
   const Scan scan = scan_of(frame);
   watch_.add(fit_seat(cabin_.layout, scan));
-  head_ = find_head(cabin_.layout, known_seat(), scan);
+  head_ = find_head(cabin_.layout, watch_.pose(), scan);
   Json json{{"seat", nullptr}, {"head", nullptr}};
   if (watch_.frames() > 0) {
     const SeatFit seat = watch_.seat();
@@ -116,7 +114,7 @@ Json CabinWatch::take(const StereoFrame& frame) {
                     {"to_dashboard_m", cabin_.layout.dashboard_x_m - head_.centre.x()},
                     {"points", head_.points}};
   }
-  const auto boxes = seat_boxes(known_seat(), chin_m());
+  const auto boxes = seat_boxes(watch_.pose(), chin_m());
   for (int i = 0; i < kSeatPlaces; ++i) {
     const BoxCount count = count_rays(boxes[static_cast<std::size_t>(i)], scan);
     json["boxes"][std::string(kSeatPlaceNames[static_cast<std::size_t>(i)])] = {
@@ -157,8 +155,11 @@ nlohmann::json CabinWatch::drawn() const {
   };
   draw("#e22", zone(0.0, car.critical_m));
   draw("#f90", zone(car.critical_m, car.out_of_position_m));
+  for (const Eigen::AlignedBox3d& fixture : car.fixtures) {
+    if (!fixture.isEmpty()) draw("#777", edges_of({.low = fixture.min(), .high = fixture.max()}));
+  }
   const char* boxes = watch_.frames() > 0 ? "#6cf" : "#999";  // of the seat as it was fitted, or amid its travel
-  for (const Box& box : seat_boxes(known_seat(), chin_m())) draw(boxes, edges_of(box));
+  for (const Box& box : seat_boxes(watch_.pose(), chin_m())) draw(boxes, edges_of(box));
   if (head_.found) draw("#fff", circles_of(head_));
   return all;
 }

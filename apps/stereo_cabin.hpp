@@ -34,6 +34,9 @@ class CabinWatch {
   /// `colour`), `turn` and `cabin`.
   nlohmann::json on_page() const;
 
+  /// The seat as it is known after that frame.
+  SeatPose seat() const { return watch_.pose(); }
+
   /// In a few words, for a row of a table.
   std::string words() const;
 
@@ -41,7 +44,6 @@ class CabinWatch {
   nlohmann::json drawn() const;
   nlohmann::json turn() const;
   Scan scan_of(const StereoFrame& frame);
-  SeatPose known_seat() const;
   double chin_m() const;
 
   StereoCabin cabin_;

@@ -39,6 +39,27 @@ void check(const VehicleLayout& layout, const std::string& path) {
   }
 }
 
+// Boxes [m] in the vehicle frame.
+void read_fixtures(const toml::table& file, const std::string& path, VehicleLayout& layout) {
+  if (!file.contains("fixture")) return;
+  const toml::array* sections = file["fixture"].as_array();
+  const std::size_t most = layout.fixtures.size();
+  if (sections == nullptr || !sections->is_array_of_tables() || sections->size() > most) {
+    throw Error(ErrorKind::kBadInput, fmt::format("needs [[fixture]] with low_m and high_m, at most {} of them", most),
+                path);
+  }
+  for (std::size_t i = 0; i < sections->size(); ++i) {
+    VehicleSection section("[fixture]", *sections->get(i)->as_table(), path);
+    const auto low = section.numbers<3>("low_m"), high = section.numbers<3>("high_m");
+    section.finish();
+    const Eigen::AlignedBox3d box{Eigen::Vector3d(low.data()), Eigen::Vector3d(high.data())};
+    if (box.isEmpty() || !(box.sizes().maxCoeff() <= kFarthest_m)) {
+      throw Error(ErrorKind::kBadInput, "[[fixture]] low_m must lie below high_m in x, y and z [m]", path);
+    }
+    layout.fixtures[i] = box;
+  }
+}
+
 }  // namespace
 
 VehicleSection::VehicleSection(const toml::table& file, const char* name, const std::string& path)
@@ -132,6 +153,7 @@ VehicleLayout vehicle_layout_in(const toml::table& file, const std::string& path
   }
   section.finish();
   check(layout, path);
+  read_fixtures(file, path, layout);
   return layout;
 }
 

@@ -23,6 +23,10 @@ class VehicleSection {
   /// @throws Error(kBadInput) when there is no such section
   VehicleSection(const toml::table& file, const char* name, const std::string& path);
 
+  /// One of several sections of that name.
+  VehicleSection(std::string name, toml::table section, std::string path)
+      : name_(std::move(name)), path_(std::move(path)), left_(std::move(section)) {}
+
   double number(const char* key);
   int whole_number(const char* key, int low, int high);
   void read_if_there(const char* key, double& value) {
@@ -64,7 +68,7 @@ class VehicleSection {
 /// @throws Error(kIo) when it cannot be read, Error(kBadInput) naming the line when it is no TOML
 toml::table vehicle_file(const std::string& path);
 
-/// The section [vehicle]; the seat's travel and the roof may be left out.
+/// The section [vehicle], of which the seat's travel and the roof may be left out, and the sections [[fixture]].
 VehicleLayout vehicle_layout_in(const toml::table& file, const std::string& path);
 
 }  // namespace raybundle::apps

@@ -153,6 +153,11 @@ TEST(Occupancy, SaysWhatIsWrongWithItsInput) {
   EXPECT_NE(with("rows", "rows = 12").find("11 rows"), std::string::npos);
   EXPECT_NE(with("critical_m", "critcal_m = 0.2").find("'critcal_m'. Did you mean \"critical_m\"?"), std::string::npos);
 
+  const std::string fixture = "out_of_position_m = 0.40\n[[fixture]]\nlow_m = [0.7, 0.2, 0.4]\n";
+  EXPECT_NE(with("out_of_position_m", fixture).find("[[fixture]] needs high_m"), std::string::npos);
+  EXPECT_NE(with("out_of_position_m", fixture + "high_m = [0.8, 0.3, 0.3]").find("must lie below high_m"),
+            std::string::npos);
+
   write_text(folder / "broken.json", "{\"format\": \"raybundle laser points\"");
   const ProgramRun broken = classify(learnt_base(), "broken.json", "vehicle.toml");
   EXPECT_EQ(broken.exit_code, 2);

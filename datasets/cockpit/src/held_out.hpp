@@ -9,6 +9,15 @@
 
 namespace raybundle::held_out {
 
+/// A screen that stands on the middle of the dashboard: a box, pitched about the car's y axis.
+struct Screen {
+  Eigen::Vector3d centre, semi_m;
+  double pitch_rad;
+
+  Eigen::AlignedBox3d bounds() const;
+};
+Screen screen_of(const CabinLayout& layout);
+
 void add_car(const CabinLayout& layout, Random& random, Meshes& meshes);
 void add_seat(const SeatSetting& seat, Random& random, Meshes& meshes);
 

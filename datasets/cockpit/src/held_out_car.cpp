@@ -67,6 +67,16 @@ void add_seat(const SeatSetting& seat, Random& random, Meshes& meshes) {
                           {reclined, back.at(back.length_m + 0.13, 0, -0.04)}, CabinPart::kSeat, cover));
 }
 
+Eigen::AlignedBox3d Screen::bounds() const {
+  const double c = std::cos(pitch_rad), s = std::abs(std::sin(pitch_rad));
+  const Eigen::Vector3d reach(c * semi_m.x() + s * semi_m.z(), semi_m.y(), s * semi_m.x() + c * semi_m.z());
+  return {centre - reach, centre + reach};
+}
+
+Screen screen_of(const CabinLayout& layout) {
+  return {{layout.dashboard_x_m + 0.03, layout.middle_y_m, layout.dashboard_top_m + 0.03}, {0.015, 0.13, 0.07}, -0.2};
+}
+
 void add_car(const CabinLayout& layout, Random& random, Meshes& meshes) {
   const CabinMaterial plastic = fabric(random, 0.08, 0.5), trim = fabric(random, 0.15, 0.6),
                       lining = fabric(random, 0.35, 0.8);
@@ -81,7 +91,8 @@ void add_car(const CabinLayout& layout, Random& random, Meshes& meshes) {
   // The dashboard: a bar across the car, a glove box below it, a screen in the middle.
   block({x + 0.20, middle, top - 0.09}, {0.20, half, 0.09}, 0.3, plastic, CabinPart::kDashboard, 0);
   block({x + 0.20, middle, top - 0.32}, {0.13, half, 0.16}, 0.25, trim, CabinPart::kDashboard, 0);
-  block({x + 0.03, middle, top + 0.03}, {0.015, 0.13, 0.07}, 0.2, plastic, CabinPart::kDashboard, -0.2);
+  const Screen screen = screen_of(layout);
+  block(screen.centre, screen.semi_m, 0.2, plastic, CabinPart::kDashboard, screen.pitch_rad);
   block({x + 0.55, middle, top - 0.06}, {0.30, half, 0.05}, 0.2, plastic, CabinPart::kDashboard, 0);
   block({x + 0.50, middle, 0.0}, {0.05, half, 0.40}, 0.1, plastic, CabinPart::kDashboard, 0.3);
   block({-0.2, middle, floor - 0.05}, {1.3, half, 0.05}, 0.1, fabric(random, 0.05, 0.3), CabinPart::kCar, 0);

@@ -16,6 +16,7 @@ CabinLayout layout(Random& random) {
   layout.roof_m = 1.00;
   layout.door_y_m = -0.40;
   layout.middle_y_m = 0.36;
+  layout.fixtures = {held_out::screen_of(layout).bounds()};
   return layout;
 }
 

@@ -136,7 +136,7 @@ Attributes profile_and_relief(const VehicleLayout& layout, const SeatPose& seat,
 
 constinit const AttributeSet kStripes{"stripes-2", kSparseProfile.size() + kSparseRelief.size() + kSparseReach.size(),
                                       profile_and_relief<kSparseProfile, kSparseRelief, kSparseReach>};
-constinit const AttributeSet kBoxes{"boxes-3", kDenseProfile.size() + kDenseRelief.size() + kDenseReach.size(),
+constinit const AttributeSet kBoxes{"boxes-4", kDenseProfile.size() + kDenseRelief.size() + kDenseReach.size(),
                                     profile_and_relief<kDenseProfile, kDenseRelief, kDenseReach>};
 
 const AttributeSet* attribute_set_named(std::string_view name) {

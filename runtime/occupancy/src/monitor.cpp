@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/occupancy/fixtures.hpp"
 
 namespace raybundle {
 namespace {
@@ -29,6 +30,7 @@ OccupancyMonitor::OccupancyMonitor(const VehicleLayout& layout, CaseBase base, i
     throw Error(ErrorKind::kBadInput, "a monitor needs at least one ray, one calm frame and one frame of memory");
   }
   last_said_.resize(static_cast<std::size_t>(options.memory_frames));
+  clear_.reserve(static_cast<std::size_t>(rays));
   range_m_.resize(static_cast<std::size_t>(rays), NAN);
   last_range_m_ = range_m_;
   restart();
@@ -40,9 +42,10 @@ void OccupancyMonitor::restart() {
   last_actions_.assign(static_cast<std::size_t>(options_.calm_frames) - 1, AirbagAction::kUndecided);
 }
 
-Occupancy OccupancyMonitor::process(const Scan& scan) {
+Occupancy OccupancyMonitor::process(const Scan& measured, const SeatPose& seat) {
   Occupancy now;
-  const double share = static_cast<double>(scan.points.size()) / static_cast<double>(range_m_.size());
+  const double share = static_cast<double>(measured.points.size()) / static_cast<double>(range_m_.size());
+  const Scan scan = without_fixtures(layout_, measured, options_.zones.dashboard_m, clear_);
   if (scan.state == State::kInvalid || share < options_.least_points) {
     restart();  // what was before the gap says nothing of now
     return now;
@@ -51,7 +54,7 @@ Occupancy OccupancyMonitor::process(const Scan& scan) {
   now.moving = moving_share(scan);
   now.zones = count_zones(layout_, scan, options_.zones);
   now.free_rays = rays_through_zones(layout_, scan);
-  now.verdict = classify(base_, attributes_->attributes(layout_, SeatPose{}, scan));
+  now.verdict = classify(base_, attributes_->attributes(layout_, seat, scan));
   vote(now);
   now.action = calmed(action_of(now));
   if (now.action == AirbagAction::kUndecided) now.state = State::kInvalid;

@@ -99,6 +99,39 @@ TEST(Monitor, NoFireIsNeverDelayedAndFireIs) {
   EXPECT_EQ(after(monitor, far, 1).action, AirbagAction::kFire);
 }
 
+// A screen on the dashboard stands in the critical zone, and is always there.
+TEST(Monitor, AFixtureForbidsNothing) {
+  VehicleLayout layout;
+  std::vector<ScenePoint> points = scene(true, 0.2, 0.0, 904);
+  points[40].x_in_vehicle = {0.6, 0.0, 0.5};
+  OccupancyMonitor unaware(layout, shared_base(), kRays);
+  EXPECT_EQ(after(unaware, points, 3).action, AirbagAction::kNoFire);
+  layout.fixtures[0] = Eigen::AlignedBox3d(Eigen::Vector3d(0.58, -0.1, 0.45), Eigen::Vector3d(0.62, 0.1, 0.55));
+  OccupancyMonitor aware(layout, shared_base(), kRays);
+  EXPECT_EQ(after(aware, points, 3).action, AirbagAction::kFire);
+}
+
+// The seat and whoever sits on it 10 cm to the rear of where the cases were learnt are the same as there; without a
+// word of the seat they are not.
+TEST(Monitor, CasesMoveWithTheSeat) {
+  const Eigen::Vector3d back(-0.10, 0.0, 0.0);
+  std::vector<ScenePoint> points = scene(true, 0.2, 0.0, 905);
+  Scan scan = scan_of(points);
+  OccupancyMonitor monitor({}, shared_base(), kRays);
+  const double there = monitor.process(scan).verdict.votes[1];
+  for (ScenePoint& point : points) point.x_in_vehicle += back;
+  scan.viewpoint_in_vehicle += back;
+  SeatPose seat;
+  seat.bight += Eigen::Vector2d(back.x(), back.z());
+  monitor.restart();
+  const Attributes here = kStripes.attributes({}, seat, scan), unmoved = kStripes.attributes({}, {}, scan);
+  const Attributes learnt = kStripes.attributes({}, {}, scan_of(scene(true, 0.2, 0.0, 905)));
+  const int profile = static_cast<int>(learnt.size()) - 9;  // all but the rays before the dashboard, which stays
+  EXPECT_TRUE(here.tail(profile).isApprox(learnt.tail(profile), 1e-9));
+  EXPECT_FALSE(unmoved.tail(profile).isApprox(learnt.tail(profile), 1e-3));
+  EXPECT_NEAR(monitor.process(scan, seat).verdict.votes[1], there, 1e-6);
+}
+
 TEST(Monitor, SomethingInTheOuterZoneIsFiredAtGently) {
   CaseBase knows_all = shared_base();
   for (CaseSpace& space : knows_all.spaces) space.farthest = 1e9;

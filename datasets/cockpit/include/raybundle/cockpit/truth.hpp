@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -55,9 +56,10 @@ struct CabinLayout {
   double lift_m = 0.03;             ///< and up and down
   double least_recline_rad = 12 * M_PI / 180;  ///< of the seat's back from the vertical
   double most_recline_rad = 40 * M_PI / 180;
-  double roof_m = 1.02;      ///< z
-  double door_y_m = -0.42;   ///< inner side of the passenger's door
-  double middle_y_m = 0.38;  ///< of the car
+  double roof_m = 1.02;                            ///< z
+  double door_y_m = -0.42;                         ///< inner side of the passenger's door
+  double middle_y_m = 0.38;                        ///< of the car
+  std::vector<Eigen::AlignedBox3d> fixtures = {};  ///< parts of the car that stand in the zones
 };
 
 /// How the seat is set. The flat middle of cushion and back are two planes across the vehicle's longitudinal plane;

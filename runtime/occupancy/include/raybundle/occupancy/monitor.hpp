@@ -53,7 +53,8 @@ class OccupancyMonitor {
   /// @throws Error(kBadInput) when the base is damaged or its attributes are unknown here
   OccupancyMonitor(const VehicleLayout& layout, CaseBase base, int rays, const MonitorOptions& options = {});
 
-  Occupancy process(const Scan& scan);
+  /// @param seat  as it is set, as far as that is known: the cases' boxes move and recline with it
+  Occupancy process(const Scan& scan, const SeatPose& seat = {});
 
   /// Forgets the frames before.
   void restart();
@@ -77,6 +78,7 @@ class OccupancyMonitor {
   CaseBase base_;
   const AttributeSet* attributes_;
   MonitorOptions options_;
+  std::vector<ScenePoint> clear_;     ///< points that are not on the car's fixtures
   std::vector<double> last_range_m_;  ///< of each ray; NaN: it did not end
   std::vector<double> range_m_;
   bool first_ = true;

@@ -50,6 +50,9 @@ class SeatWatch {
   /// Mean of the frames; sigmas are those of one frame and, from the third on, of the mean by the scatter between them.
   SeatFit seat() const;
 
+  /// That of the seat; amid its travel as long as it was not seen.
+  SeatPose pose() const { return frames_ > 0 ? seat().pose : SeatPose{}; }
+
   int frames() const { return frames_; }
   int frames_since_seen() const { return since_seen_; }  ///< that were added since the seat was last found
 

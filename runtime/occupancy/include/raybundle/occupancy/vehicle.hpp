@@ -2,9 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 
 namespace raybundle {
+
+inline constexpr int kMostFixtures = 4;
 
 /// What whoever installs the sensor knows of the car. Vehicle frame [m]: x forward to the dashboard, y left, z up, its
 /// origin the passenger's H-point with the seat amid its travel.
@@ -23,6 +27,8 @@ struct VehicleLayout {
   double least_recline_rad = 12 * M_PI / 180;  ///< of the seat's back from the vertical, to the rear
   double most_recline_rad = 40 * M_PI / 180;
   double roof_m = 1.02;  ///< z
+  /// Parts of the car that stand in the zones, such as a screen on the dashboard; empty boxes are none.
+  std::array<Eigen::AlignedBox3d, kMostFixtures> fixtures = {};
 };
 
 }  // namespace raybundle
