@@ -111,9 +111,12 @@ class StereoSeat {
            at.rotation.coeffs() == to.rotation.coeffs() && at.translation == to.translation;
   }
 
-  /// What the watch says of the seat comes first: the cases' boxes are those of the seat as it was fitted.
-  Occupancy process(const StereoFrame& frame) { return monitor_.process(scan_.of(frame), watch_.seat()); }
-  CabinWatch& watch() { return watch_; }
+  /// @param cabin  takes what is told of seat and head: they come first, for the cases' boxes are those of the seat
+  Occupancy process(const StereoFrame& frame, Json& cabin) {
+    cabin = watch_.take(frame);
+    return monitor_.process(scan_.of(frame), watch_.seat());
+  }
+  const CabinWatch& watch() const { return watch_; }
 
  private:
   Rectification rectification_;
@@ -145,8 +148,9 @@ std::string classify_stereo(const Flags& flags, const std::vector<std::string>& 
                   file);
     }
     const StereoFrame frame = input.frame();
-    const Json more{{"cabin", seat->watch().take(frame)}};
-    const Json& answer = answers.add(file, seat->process(frame), more);
+    Json more;
+    const Occupancy occupancy = seat->process(frame, more["cabin"]);
+    const Json& answer = answers.add(file, occupancy, more);
     if (!on_page) continue;
     shown.push_back(stereo_page_frame(input.name, frame));
     shown.back().update(seat->watch().on_page());

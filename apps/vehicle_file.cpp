@@ -53,8 +53,16 @@ void read_fixtures(const toml::table& file, const std::string& path, VehicleLayo
     const auto low = section.numbers<3>("low_m"), high = section.numbers<3>("high_m");
     section.finish();
     const Eigen::AlignedBox3d box{Eigen::Vector3d(low.data()), Eigen::Vector3d(high.data())};
-    if (box.isEmpty() || !(box.sizes().maxCoeff() <= kFarthest_m)) {
-      throw Error(ErrorKind::kBadInput, "[[fixture]] low_m must lie below high_m in x, y and z [m]", path);
+    if (box.isEmpty()) {
+      throw Error(ErrorKind::kBadInput, "[[fixture]] low_m must lie below high_m in x, y and z", path);
+    }
+    if (!(box.min().x() >= layout.dashboard_x_m - layout.critical_m && box.sizes().maxCoeff() <= kFarthest_m)) {
+      throw Error(
+          ErrorKind::kBadInput,
+          fmt::format("[[fixture]] reaches from x = {:g} m on, and what is not counted there may be somebody; it "
+                      "must not leave the critical zone, which begins at x = {:g} m",
+                      box.min().x(), layout.dashboard_x_m - layout.critical_m),
+          path);
     }
     layout.fixtures[i] = box;
   }

@@ -157,6 +157,8 @@ TEST(Occupancy, SaysWhatIsWrongWithItsInput) {
   EXPECT_NE(with("out_of_position_m", fixture).find("[[fixture]] needs high_m"), std::string::npos);
   EXPECT_NE(with("out_of_position_m", fixture + "high_m = [0.8, 0.3, 0.3]").find("must lie below high_m"),
             std::string::npos);
+  const std::string wide = "out_of_position_m = 0.40\n[[fixture]]\nlow_m = [0.07, 0.2, 0.4]\nhigh_m = [0.8, 0.3, 0.5]";
+  EXPECT_NE(with("out_of_position_m", wide).find("must not leave the critical zone"), std::string::npos);
 
   write_text(folder / "broken.json", "{\"format\": \"raybundle laser points\"");
   const ProgramRun broken = classify(learnt_base(), "broken.json", "vehicle.toml");

@@ -11,6 +11,7 @@
 #include "joint_solve.hpp"
 #include "raybundle/bundle/parameters.hpp"
 #include "raybundle/calibrate/lens_domain.hpp"
+#include "raybundle/calibrate/lens_prior.hpp"
 #include "raybundle/camera/injectivity.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/initialize/rig_start.hpp"
@@ -84,10 +85,10 @@ void name_given_up(const CalibrationProblem& problem, std::size_t first, Calibra
   for (std::size_t i = first; i < problem.rules.size(); ++i)
     names += (i > first ? ", " : "") + problem.rules[i].pattern;
   if (names.empty()) return;
-  result.warnings.push_back(
-      "held at zero: " + names +
-      "; otherwise the lens that fits best has a pole among the corners or turns back there; choose a model with fewer "
-      "parameters, or add views that fill the image");
+  result.warnings.push_back("held at zero: " + names +
+                            "; otherwise the lens that fits best has a pole among the corners or shortly beyond them, "
+                            "or turns back there; choose a model with fewer "
+                            "parameters, or add views that fill the image");
 }
 
 void name_views_set_aside(const BundleState& state, const std::vector<std::string>& reasons,
@@ -181,7 +182,7 @@ CalibrationResult calibrate_in_order(const CalibrationProblem& problem, const Ca
   std::ranges::copy_if(solve.ties.untied, std::back_inserter(result.set_aside),
                        [&](const SetAside& untied) { return state.pose_of_view[untied.view] >= 0; });
   name_views_set_aside(state, reasons, result);
-  result.lens_priors = sub.problem.lens_priors;
+  result.lens_priors = lens_priors_in_force(sub.problem);
   result.outlier_rule = outlier_rule(options);
   result.gauge = "the rig frame is the frame of camera " + sub.problem.cameras.front().name +
                  "; the scale comes from the size of the board";

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "beam_ranges.hpp"
+#include "raybundle/calibrate/lens_prior.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/quantile.hpp"
 #include "raybundle/initialize/beam_start.hpp"
@@ -209,6 +210,7 @@ LaserSolve solve_with_dots(const CalibrationProblem& problem, const BundleState&
   LaserSolve solve{problem, cameras, bundle, {}, {}, {}};
   const BeamStart start = initialize_beams(scene_of(problem, cameras));
   scale_corners(solve.problem, corner_scale);
+  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) weigh_lens_prior(solve.problem, solve.state, c);
   label_dots(start.beam_of_dot, solve.problem);
   solve.state.beams = start.lines;
   solve.pattern = {.grid = problem.laser->grid,

@@ -8,6 +8,7 @@
 
 #include "camera_corners.hpp"
 #include "raybundle/bundle/parameters.hpp"
+#include "raybundle/calibrate/lens_prior.hpp"
 #include "raybundle/camera/plane_distortion.hpp"
 #include "raybundle/initialize/other_optima.hpp"
 #include "robust_solve.hpp"
@@ -38,14 +39,15 @@ constexpr bool has_denominator(const DistortedPinhole<n>*) {
 }
 constexpr bool has_denominator(const void*) { return false; }
 
-// Indices of the free coefficients of a camera's radial profile, the last first.
+// Indices of the coefficients of a camera's radial profile of which no rule says anything else, the last first.
 std::vector<int> free_coefficients(const CalibrationProblem& problem, int camera) {
   const std::vector<std::string_view> names = parameter_names(problem.cameras[camera].model);
   std::vector<int> coefficients;
   for (const ParameterBlock& block : parameter_blocks(problem)) {
     if (block.kind != ParameterBlock::Kind::kIntrinsics || block.owner != camera) continue;
     for (int k = static_cast<int>(names.size()) - 1; k >= kFirstShapeParameter; --k) {
-      const bool free = block.parameters[k].kind != ParameterRule::Kind::kFixed;
+      const Parameter& parameter = block.parameters[k];
+      const bool free = parameter.kind == ParameterRule::Kind::kFree || has_lens_prior(problem, parameter);
       if (free && names[k].front() == 'k') coefficients.push_back(k);
     }
   }

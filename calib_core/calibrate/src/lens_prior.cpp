@@ -56,4 +56,22 @@ bool weigh_lens_prior(CalibrationProblem& problem, const BundleState& state, int
   return true;
 }
 
+bool has_lens_prior(const CalibrationProblem& problem, const Parameter& parameter) {
+  return parameter.kind == ParameterRule::Kind::kPrior &&
+         std::ranges::any_of(problem.lens_priors, [&](const ParameterRule& prior) {
+           return prior.pattern == parameter.name && prior.value == parameter.value && prior.sigma == parameter.sigma;
+         });
+}
+
+std::vector<ParameterRule> lens_priors_in_force(const CalibrationProblem& problem) {
+  std::vector<ParameterRule> priors;
+  for (const ParameterBlock& block : parameter_blocks(problem)) {
+    for (const Parameter& parameter : block.parameters) {
+      if (!has_lens_prior(problem, parameter)) continue;
+      priors.push_back({parameter.name, ParameterRule::Kind::kPrior, parameter.value, parameter.sigma});
+    }
+  }
+  return priors;
+}
+
 }  // namespace raybundle

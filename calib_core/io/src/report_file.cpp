@@ -3,7 +3,6 @@
 #include "raybundle/io/report_file.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "json_camera.hpp"
@@ -160,14 +159,9 @@ OrderedJson json_from_view(const CalibrationProblem& problem, const TargetView& 
   return json;
 }
 
-// Their sigmas count against corners whose noise is as declared; told is what they are worth as it was measured.
 OrderedJson json_from_lens_priors(const CalibrationResult& result) {
   OrderedJson json = OrderedJson::array();
-  for (const ParameterRule& prior : result.lens_priors) {
-    json.push_back({{"parameter", prior.pattern},
-                    {"mean", prior.value.value_or(0.0)},
-                    {"sigma", prior.sigma * std::sqrt(result.variance_factor)}});
-  }
+  for (const ParameterRule& prior : result.lens_priors) json.push_back(prior.pattern);
   return json;
 }
 

@@ -18,8 +18,9 @@ std::optional<std::string> mrcal_name(ModelId model) {
   return std::nullopt;
 }
 
-// The first opinion's solve once more, of the corners alone and with boards that bend but do not twist.
-Calibration as_mrcal_solves(const CalibrationProblem& problem, const CalibrationResult& first) {
+// The first opinion's solve once more, of the corners alone, with all coefficients free and boards that bend but do not
+// twist; nothing when it does not come to rest.
+std::optional<Calibration> as_mrcal_solves(const CalibrationProblem& problem, const CalibrationResult& first) {
   CalibrationProblem held = problem;
   held.laser.reset();
   held.rules.clear();
@@ -38,7 +39,9 @@ Calibration as_mrcal_solves(const CalibrationProblem& problem, const Calibration
     state.fates.push_back(first.views[v].fates);
     held.views[v] = relabelled_view(held, held.views[v], first.views[v].symmetry);
   }
-  solve_bundle(held, state, {.estimate_shape = is_bent(first.calibration.targets[first.poses[0].target].shape)});
+  const BundleSummary summary =
+      solve_bundle(held, state, {.estimate_shape = is_bent(first.calibration.targets[first.poses[0].target].shape)});
+  if (summary.termination != Termination::kConverged) return std::nullopt;
   Calibration calibration = first.calibration;
   calibration.laser.reset();
   for (std::size_t c = 0; c < state.cameras.size(); ++c) {
@@ -50,15 +53,24 @@ Calibration as_mrcal_solves(const CalibrationProblem& problem, const Calibration
 
 // What mrcal's answer is held against: the first opinion, or its like by what mrcal knows.
 struct Counterpart {
-  Calibration calibration;
+  std::optional<Calibration> calibration;
   std::string remark;
 };
+
+// Whether calibrate() has given up coefficients of a lens; no rule did, for then there is no opinion.
+bool holds_coefficients(const Calibration& first) {
+  return std::ranges::any_of(first.cameras, [](const RigCamera& camera) {
+    const auto shape = camera.camera.parameters.tail(camera.camera.parameters.size() - 4);
+    return shape.size() > 0 && (shape.array() == 0.0).any();
+  });
+}
 
 Counterpart counterpart_of(const CalibrationProblem& problem, const CalibrationResult& first) {
   const bool twisted = first.calibration.targets[first.poses[0].target].shape.twist_m != 0.0;
   std::string without;
   for (const auto& [there, what] :
        {std::pair{twisted, "the board's twist"}, std::pair{!first.lens_priors.empty(), "the prior of the lens"},
+        std::pair{holds_coefficients(first.calibration), "coefficients held at zero"},
         std::pair{first.laser.has_value(), "dots"}, std::pair{first.survey.has_value(), "landmarks"}}) {
     if (there) without += (without.empty() ? "" : " and ") + std::string(what);
   }
@@ -91,7 +103,11 @@ SecondOpinion parametric_opinion(MrcalProblem request, const CalibrationProblem&
   opinion.why_not = objection_to_model(result.calibration);
   if (!opinion.why_not.empty()) return opinion;
   const Counterpart counterpart = counterpart_of(problem, result);
-  const Calibration& first = counterpart.calibration;
+  if (!counterpart.calibration) {
+    opinion.why_not = counterpart.remark + "; but that solve does not come to rest";
+    return opinion;
+  }
+  const Calibration& first = *counterpart.calibration;
   request.lens_model = *mrcal_name(first.cameras[0].camera.model);
   opinion.source = "mrcal, " + request.lens_model;
   for (std::size_t c = 0; c < first.cameras.size(); ++c) {

@@ -11,6 +11,7 @@
 #include <cmath>
 
 #include "raybundle/calibrate/calibrate.hpp"
+#include "raybundle/calibrate/lens_prior.hpp"
 #include "synthetic_world.hpp"
 
 namespace raybundle {
@@ -77,6 +78,19 @@ TEST(LensDomain, ALensWithAPoleIsReplacedByOneThatFitsAsWell) {
     EXPECT_LT(summary.final_cost, 1e-9) << v;  // half the sum of squares [px²] of some thousand exact corners
     EXPECT_THAT(state.fates, ::testing::Each(::testing::Each(ObservationFate::kUsed)));
   }
+}
+
+TEST(LensDomain, CoefficientsWithAPriorByARuleAreNotGivenUp) {
+  const testing::SyntheticWorld world = simple_world();
+  CalibrationProblem problem = world.problem;
+  BundleState state = true_state(world);
+  state.cameras[0] = with_pole(state.cameras[0], 0.25);
+  problem.rules = {{"*.k?", ParameterRule::Kind::kPrior, 0.0, 1e3}};
+  BundleSummary summary;
+  EXPECT_FALSE(give_up_coefficients(problem, state, 0, summary, solve));
+  problem.rules.clear();
+  weigh_lens_prior(problem, state, 0);
+  EXPECT_TRUE(give_up_coefficients(problem, state, 0, summary, solve));
 }
 
 TEST(LensDomain, CoefficientsThatAreFixedAreNotTouched) {

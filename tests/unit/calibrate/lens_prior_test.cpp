@@ -76,6 +76,18 @@ TEST(LensPrior, GivesWayToAnyRule) {
   EXPECT_EQ(parameter_named(problem, camera + "k1").kind, ParameterRule::Kind::kPrior);
 }
 
+TEST(LensPrior, IsToldWhereItIsInForce) {
+  testing::SyntheticWorld world = world_of(0.3);
+  const std::string camera = world.problem.cameras[0].name + ".";
+  world.problem.rules = {{camera + "k6", ParameterRule::Kind::kFixed, 0.0, 0.0},
+                         {camera + "k5", ParameterRule::Kind::kFixed, 0.0, 0.0},
+                         {camera + "k3", ParameterRule::Kind::kFree, {}, 0.0},
+                         {camera + "k1", ParameterRule::Kind::kPrior, world.cameras[0].parameters[4], 0.1}};
+  std::vector<std::string> told;
+  for (const ParameterRule& prior : calibrate(world.problem).lens_priors) told.push_back(prior.pattern);
+  EXPECT_THAT(told, ::testing::UnorderedElementsAre(camera + "k2", camera + "k4"));
+}
+
 TEST(LensPrior, IsOfModelsThatCanHaveAPoleOnly) {
   testing::SyntheticOptions options;
   const testing::SyntheticWorld world = testing::synthetic_world(options);

@@ -4,6 +4,7 @@
 // Random rigs on which calibrate() once came to a wrong optimum or refused wrongly, each for a reason of its own.
 // `./dev prove starts` goes through many more.
 #include <gtest/gtest.h>
+#include <cstdint>
 
 #include <string>
 

@@ -60,7 +60,7 @@ TEST(FittedAnew, LeavesThePoleBehindAndHoldsZeros) {
 }
 
 // A board of two rows: its length tells how it is tilted along, but hardly its width how it is turned about it.
-TEST(MirroredPose, OfANarrowBoardIsTurnedAboutItsLength) {
+TEST(MirroredPose, OfANarrowBoardSettles) {
   const Camera camera = camera_of("pinhole", {600, 600, 320, 240});
   const Target board = testing::grid_target("board", 10, 2, 0.03);
   const auto turned_by = [](double turn_rad) {

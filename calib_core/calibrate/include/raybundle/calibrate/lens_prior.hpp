@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
 #include "raybundle/bundle/bundle.hpp"
+#include "raybundle/bundle/parameters.hpp"
 #include "raybundle/scene/problem.hpp"
 
 namespace raybundle {
@@ -21,5 +24,11 @@ namespace raybundle {
 /// @param problem  its lens_priors of this camera are replaced
 /// @return         whether they changed
 bool weigh_lens_prior(CalibrationProblem& problem, const BundleState& state, int camera);
+
+/// Whether a parameter of a problem's blocks has the prior of its lens, and not one by a rule.
+bool has_lens_prior(const CalibrationProblem& problem, const Parameter& parameter);
+
+/// Those of the problem's lens_priors that no rule overrides.
+std::vector<ParameterRule> lens_priors_in_force(const CalibrationProblem& problem);
 
 }  // namespace raybundle

@@ -54,7 +54,7 @@ class OccupancyMonitor {
   OccupancyMonitor(const VehicleLayout& layout, CaseBase base, int rays, const MonitorOptions& options = {});
 
   /// @param seat  as it is set, as far as that is known: the cases' boxes move and recline with it
-  Occupancy process(const Scan& scan, const SeatPose& seat = {});
+  Occupancy process(const Scan& measured, const SeatPose& seat = {});
 
   /// Forgets the frames before.
   void restart();
