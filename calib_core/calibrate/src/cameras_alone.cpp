@@ -34,6 +34,7 @@ std::vector<ParameterRule> keep_lens_beyond_corners(CalibrationProblem& single, 
     solve_robustly(simpler, of_simpler, options);
     return solve_without_outliers(simpler, of_simpler, options, false, reasons);
   };
+  if (!ends_among_corners(single, state, 0)) return {};
   CalibrationProblem simpler = single;
   if (!give_up_coefficients(simpler, state, 0, optimum.summary, solve)) return {};
   std::vector<ParameterRule> given_up(simpler.rules.begin() + static_cast<std::ptrdiff_t>(single.rules.size()),

@@ -23,9 +23,10 @@ std::vector<T> at(const std::vector<T>& values, const std::vector<int>& indices)
   return result;
 }
 
-/// The inverse of at().
+/// The inverse of at(); without indices values are where they were.
 template <typename T>
 std::vector<T> put_back(std::vector<T> values, const std::vector<int>& indices) {
+  if (indices.empty()) return values;
   std::vector<T> result(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) result[indices[i]] = std::move(values[i]);
   return result;
@@ -53,8 +54,9 @@ OrderedProblem in_order_of_content(const CalibrationProblem& given) {
     std::ranges::stable_sort(order_of_dots, {},
                              [&](int i) { return std::pair(view.dots[i].pixel.x(), view.dots[i].pixel.y()); });
     view.dots = at(view.dots, order_of_dots);
-    std::vector<int>& order = observations.emplace_back(indices(view.observations.size()));
+    std::vector<int>& order = observations.emplace_back();
     if (std::ranges::is_sorted(view.observations, {}, &Observation::point_id)) continue;
+    order = indices(view.observations.size());
     std::ranges::stable_sort(order, {}, [&](int i) { return view.observations[i].point_id; });
     view.observations = at(view.observations, order);
   }

@@ -13,10 +13,11 @@ namespace raybundle {
 /// whatever order the views, their corners and the frames are handed in. Cameras and targets keep their places.
 struct OrderedProblem {
   CalibrationProblem problem;
-  std::vector<int> frames;                     ///< index in the given problem of each frame
-  std::vector<int> views;                      ///< index in the given problem of each view
-  std::vector<std::vector<int>> observations;  ///< index in the given view of each of a view's observations
-  std::vector<std::vector<int>> dots;          ///< the same of its dots
+  std::vector<int> frames;  ///< index in the given problem of each frame
+  std::vector<int> views;   ///< index in the given problem of each view
+  /// Index in the given view of each of a view's observations; empty where they are as given.
+  std::vector<std::vector<int>> observations;
+  std::vector<std::vector<int>> dots;  ///< the same of its dots
 };
 
 /// Corners by point id, dots by pixel, views by their corners, frames by their first view.

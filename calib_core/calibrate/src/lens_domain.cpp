@@ -99,9 +99,7 @@ bool can_have_pole(ModelId model) {
 
 bool ends_among_corners(const CalibrationProblem& problem, const BundleState& state, int camera) {
   if (!can_have_pole(state.cameras[camera].model)) return false;
-  double cosine = 1.0;  // of the farthest corner's angle off the axis
-  for (const Eigen::Vector3d& ray : used_corners(problem, state, camera).rays) cosine = std::min(cosine, ray.z());
-  const double farthest_rad = std::acos(cosine);
+  const double farthest_rad = farthest_corner_rad(problem, state, camera);
   const double pole = with_model(state.cameras[camera].model, [&]<CameraModel M>() {
     return pole_radius(static_cast<const M*>(nullptr), state.cameras[camera].parameters.data() + kFirstShapeParameter);
   });

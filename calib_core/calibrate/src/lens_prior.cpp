@@ -18,15 +18,6 @@ constexpr double kLeastNoise = 1e-6;  // of a corner's sigma: less is rounding, 
 // To a power of the square root of two.
 double rounded(double value) { return std::exp2(0.5 * std::round(2.0 * std::log2(value))); }
 
-// Squared radius of the outermost corner in use, in the plane at distance 1; 0 when there is none.
-double squared_field(const CalibrationProblem& problem, const BundleState& state, int camera) {
-  double field = 0.0;
-  for (const Eigen::Vector3d& ray : used_corners(problem, state, camera).rays) {
-    if (ray.z() > 0.0) field = std::max(field, (1.0 - ray.z() * ray.z()) / (ray.z() * ray.z()));
-  }
-  return field;
-}
-
 // Half the power of the radius that k1 to k6 stand before.
 int power_of(std::string_view coefficient) { return (coefficient[1] - '1') % 3 + 1; }
 
@@ -35,8 +26,9 @@ int power_of(std::string_view coefficient) { return (coefficient[1] - '1') % 3 +
 bool weigh_lens_prior(CalibrationProblem& problem, const BundleState& state, int camera) {
   const ModelId model = problem.cameras[camera].model;
   if (!can_have_pole(model)) return false;
-  const double noise = robust_sigmas(problem, state)[camera], field = squared_field(problem, state, camera);
-  if (!std::isfinite(noise) || !(field > 0.0)) return false;
+  const double noise = robust_sigmas(problem, state)[camera], field_rad = farthest_corner_rad(problem, state, camera);
+  if (!std::isfinite(noise) || !(field_rad > 0.0 && field_rad < M_PI_2)) return false;
+  const double field = std::pow(std::tan(field_rad), 2);  // squared radius in the plane
   std::vector<ParameterRule> priors;
   for (const std::string_view name : parameter_names(model)) {
     if (name.front() != 'k') continue;
