@@ -72,10 +72,12 @@ AirbagAction action_to_learn(const MeasuredScene& scene, const SimulatedLearning
 SeatPose seat_as_known(const SeatSetting& truth, const SimulatedLearning& how, std::uint64_t seed) {
   Random random(seed, 73);
   if (random.chance(how.seat_unseen)) return {};
-  const auto measured = [&](double value, double sigma) { return value + sigma * random.normal(); };
-  return {{measured(truth.bight.x(), how.seat_sigma_m), measured(truth.bight.z(), how.seat_sigma_m)},
-          measured(truth.recline_rad, how.seat_sigma_rad),
-          measured(truth.cushion_pitch_rad, how.seat_sigma_rad)};
+  SeatPose seat = seat_pose(truth);
+  for (double& x_m : seat.bight) x_m += how.seat_sigma_m * random.normal();
+  for (double* angle_rad : {&seat.recline_rad, &seat.cushion_pitch_rad}) {
+    *angle_rad += how.seat_sigma_rad * random.normal();
+  }
+  return seat;
 }
 
 // A smooth field of random waves, of unit scatter.

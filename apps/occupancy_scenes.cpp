@@ -33,6 +33,10 @@ VehicleLayout vehicle_layout(const CabinLayout& layout) {
   return vehicle;
 }
 
+SeatPose seat_pose(const SeatSetting& seat) {
+  return {{seat.bight.x(), seat.bight.z()}, seat.recline_rad, seat.cushion_pitch_rad};
+}
+
 SceneSource::SceneSource(const SceneRequest& request) : request_(request), sensor_(sensor_of(request)) {
   assert(request.kind == SensorKind::kStructuredLight);
 }

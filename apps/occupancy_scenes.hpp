@@ -63,4 +63,7 @@ class SceneSource {
 /// What whoever installs the sensor knows of the simulated car.
 VehicleLayout vehicle_layout(const CabinLayout& layout);
 
+/// The true seat as a fit would give it without error.
+SeatPose seat_pose(const SeatSetting& seat);
+
 }  // namespace raybundle::apps

@@ -87,7 +87,7 @@ void measure(const std::string& kind, int views, double outliers, int repetition
   });
   const BundleState start = started(problem, starts);
   CalibrationProblem weighed = problem;
-  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) weigh_lens_prior(weighed, start, c);
+  weigh_lens_priors(weighed, start);
   int iterations = 0;
   const double solve_ms = best_ms(repetitions, [&] {
     BundleState state = start;

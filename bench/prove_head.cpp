@@ -58,9 +58,7 @@ Eigen::Vector3d foremost_of(const Eigen::Vector3d& centre, const Eigen::Matrix3d
 Trial trial(CockpitGenerator generator, CabinClass wanted, std::uint64_t seed, ImageSize size) {
   const SceneRequest request{SensorKind::kStereo, {generator, seed, wanted, 0.0}, {11, 11}, size, kMostCabinPoints};
   const MeasuredScene scene = ChainSource(request).at(0.0);
-  const SeatSetting& set = scene.truth.seat;
-  const SeatPose seat{{set.bight.x(), set.bight.z()}, set.recline_rad, set.cushion_pitch_rad};
-  const Head head = find_head(scene.layout, seat, scene.scan());
+  const Head head = find_head(scene.layout, seat_pose(scene.truth.seat), scene.scan());
   Trial trial{.there = scene.truth.head.has_value(), .found = head.found};
   trial.visible = trial.there && std::ranges::count(scene.parts, CabinPart::kHead) >= kVisible;
   if (!trial.there || !head.found) return trial;

@@ -39,7 +39,7 @@ struct Told {
 };
 
 Told told_of(const SeatFit& seat, const SeatSetting& truth) {
-  const Eigen::Vector2d off = seat.pose.bight - Eigen::Vector2d(truth.bight.x(), truth.bight.z());
+  const Eigen::Vector2d off = seat.pose.bight - seat_pose(truth).bight;
   const bool turned = std::abs(seat.pose.recline_rad - truth.recline_rad) > kMost_rad;
   Told told{.found = seat.found, .right = seat.found && off.norm() < kMost_m && !turned};
   for (int i = 0; i < 2; ++i) told.covered[i] = (off.cwiseAbs().array() < (2.0 + i) * seat.bight_sigma_m.array()).all();

@@ -39,7 +39,7 @@ void solve_with_priors(const CalibrationProblem& problem, BundleState& state) {
     return;
   }
   CalibrationProblem weighed = problem;
-  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) weigh_lens_prior(weighed, state, c);
+  weigh_lens_priors(weighed, state);
   solve_bundle(weighed, state);
 }
 

@@ -40,9 +40,7 @@ const std::string& learnt_base() {
       const CockpitRequest cockpit{CockpitGenerator::kTraining, 100u + static_cast<std::uint64_t>(i),
                                    static_cast<CabinClass>(i % kCabinClasses), 0.0};
       const apps::MeasuredScene scene = apps::ChainSource({SensorKind::kStereo, cockpit, {}, {128, 128}}).at(0.0);
-      const SeatSetting& set = scene.truth.seat;
-      const SeatPose seat{{set.bight.x(), set.bight.z()}, set.recline_rad, set.cushion_pitch_rad};
-      cases.attributes.col(i) = kBoxes.attributes(scene.layout, seat, scene.scan());
+      cases.attributes.col(i) = kBoxes.attributes(scene.layout, apps::seat_pose(scene.truth.seat), scene.scan());
       cases.classes.push_back(static_cast<std::uint8_t>(scene.truth.seat_class));
       cases.actions.push_back(scene.truth.decision == CabinDecision::kFire ? AirbagAction::kFire
                                                                            : AirbagAction::kNoFire);

@@ -56,11 +56,11 @@ void solve_camera_alone(const CalibrationProblem& problem, int camera, const Cal
   const Stopwatch stopwatch(stages, "solve");
   BundleState state = state_from_start(single.problem, start);
   std::vector<std::string> reasons = start.reasons;
-  weigh_lens_prior(single.problem, state, 0);
+  weigh_lens_priors(single.problem, state);
   solve_robustly(single.problem, state, options);
   if (give_second_chance(single.problem, state, options, reasons)) solve_robustly(single.problem, state, options);
   BundleSummary solved = solve_without_outliers(single.problem, state, options, false, reasons);
-  for (int round = 0; round < kMostWeighings && weigh_lens_prior(single.problem, state, 0); ++round) {
+  for (int round = 0; round < kMostWeighings && weigh_lens_priors(single.problem, state); ++round) {
     solved = solve_without_outliers(single.problem, state, options, false, reasons);
   }
   CameraOptimum optimum = leave_local_optima(single.problem, state, options, reasons, solved);

@@ -63,7 +63,6 @@ std::optional<CalibrationComparison> compare_by_frames(const Solved& solved) {
 CalibrationProblem with_model_of(const CalibrationProblem& problem, int camera, ModelId model) {
   CalibrationProblem alone = select_cameras(problem, {camera}).problem;
   alone.cameras[0].model = model;
-  alone.lens_priors.clear();
   alone.cameras[0].parameters.reset();
   std::erase_if(alone.rules, [&](const ParameterRule& rule) { return !matches_any(rule, alone); });
   return alone;

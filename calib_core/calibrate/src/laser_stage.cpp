@@ -210,7 +210,7 @@ LaserSolve solve_with_dots(const CalibrationProblem& problem, const BundleState&
   LaserSolve solve{problem, cameras, bundle, {}, {}, {}};
   const BeamStart start = initialize_beams(scene_of(problem, cameras));
   scale_corners(solve.problem, corner_scale);
-  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) weigh_lens_prior(solve.problem, solve.state, c);
+  weigh_lens_priors(solve.problem, solve.state);
   label_dots(start.beam_of_dot, solve.problem);
   solve.state.beams = start.lines;
   solve.pattern = {.grid = problem.laser->grid,

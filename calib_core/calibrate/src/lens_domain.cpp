@@ -25,19 +25,25 @@ constexpr double kPlainlyWorse = 1.2;    // times the noise under the lens that 
 constexpr double kExact = 1e-3;          // of a corner's sigma: less noise than that is rounding
 constexpr int kFirstShapeParameter = 4;  // after fx, fy, cx and cy
 
-// Radius in the plane at which a model's profile has a pole.
-template <int n>
-double pole_radius(const DistortedPinhole<n>*, const double* coefficients) {
-  if constexpr (PlaneDistortion<n>::kHasDenominator) return PlaneDistortion<n>::pole_radius(coefficients);
-  return std::numeric_limits<double>::infinity();
-}
-double pole_radius(const void*, const double*) { return std::numeric_limits<double>::infinity(); }
+// Whether a model is a pinhole before a plane that is distorted by a profile with a denominator.
+template <typename M>
+concept HasDenominator = requires(const M& lens) {
+  []<int n>(const DistortedPinhole<n>&) requires PlaneDistortion<n>::kHasDenominator {}
+  (lens);
+};
 
 template <int n>
-constexpr bool has_denominator(const DistortedPinhole<n>*) {
-  return PlaneDistortion<n>::kHasDenominator;
+double pole_radius(const DistortedPinhole<n>&, const double* coefficients) {
+  return PlaneDistortion<n>::pole_radius(coefficients);
 }
-constexpr bool has_denominator(const void*) { return false; }
+
+// Radius in the plane at which a lens's profile has a pole.
+double pole_radius(const Camera& lens) {
+  return with_model(lens.model, [&]<CameraModel M>() {
+    if constexpr (HasDenominator<M>) return pole_radius(M{}, lens.parameters.data() + kFirstShapeParameter);
+    return std::numeric_limits<double>::infinity();
+  });
+}
 
 // Indices of the coefficients of a camera's radial profile of which no rule says anything else, the last first.
 std::vector<int> free_coefficients(const CalibrationProblem& problem, int camera) {
@@ -94,16 +100,13 @@ bool give_up_until_beyond(const BundleState& state, int camera, const std::vecto
 }  // namespace
 
 bool can_have_pole(ModelId model) {
-  return with_model(model, []<CameraModel M>() { return has_denominator(static_cast<const M*>(nullptr)); });
+  return with_model(model, []<CameraModel M>() { return HasDenominator<M>; });
 }
 
 bool ends_among_corners(const CalibrationProblem& problem, const BundleState& state, int camera) {
   if (!can_have_pole(state.cameras[camera].model)) return false;
   const double farthest_rad = farthest_corner_rad(problem, state, camera);
-  const double pole = with_model(state.cameras[camera].model, [&]<CameraModel M>() {
-    return pole_radius(static_cast<const M*>(nullptr), state.cameras[camera].parameters.data() + kFirstShapeParameter);
-  });
-  if (farthest_rad < M_PI_2 && pole < kPoleBeyond * std::tan(farthest_rad)) return true;
+  if (farthest_rad < M_PI_2 && pole_radius(state.cameras[camera]) < kPoleBeyond * std::tan(farthest_rad)) return true;
   const double wanted_rad = kBeyond * farthest_rad;
   // A rectilinear lens that has no end reaches just 90 degrees.
   return max_angle_rad(state.cameras[camera]) < (farthest_rad < M_PI_2 ? std::min(wanted_rad, M_PI_2) : wanted_rad);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "camera_corners.hpp"
 #include "raybundle/calibrate/lens_domain.hpp"
@@ -21,30 +22,33 @@ double rounded(double value) { return std::exp2(0.5 * std::round(2.0 * std::log2
 // Half the power of the radius that k1 to k6 stand before.
 int power_of(std::string_view coefficient) { return (coefficient[1] - '1') % 3 + 1; }
 
-}  // namespace
-
-bool weigh_lens_prior(CalibrationProblem& problem, const BundleState& state, int camera) {
+// Of a camera's coefficients; none without a denominator, and none where its corners show no noise and no field.
+void add_priors(const CalibrationProblem& problem, const BundleState& state, int camera, double noise,
+                std::vector<ParameterRule>& priors) {
   const ModelId model = problem.cameras[camera].model;
-  if (!can_have_pole(model)) return false;
-  const double noise = robust_sigmas(problem, state)[camera], field_rad = farthest_corner_rad(problem, state, camera);
-  if (!std::isfinite(noise) || !(field_rad > 0.0 && field_rad < M_PI_2)) return false;
+  if (!can_have_pole(model)) return;
+  const double field_rad = farthest_corner_rad(problem, state, camera);
+  if (!std::isfinite(noise) || !(field_rad > 0.0 && field_rad < M_PI_2)) return;
   const double field = std::pow(std::tan(field_rad), 2);  // squared radius in the plane
-  std::vector<ParameterRule> priors;
   for (const std::string_view name : parameter_names(model)) {
     if (name.front() != 'k') continue;
     const double sigma = std::max(1.0, std::pow(rounded(field), -power_of(name)));
     priors.push_back({problem.cameras[camera].name + "." + std::string(name), ParameterRule::Kind::kPrior, 0.0,
                       sigma / rounded(std::max(noise, kLeastNoise))});
   }
-  std::vector<ParameterRule>& all = problem.lens_priors;
-  const auto same = [](const ParameterRule& a, const ParameterRule& b) {
-    return a.pattern == b.pattern && a.sigma == b.sigma;
-  };
-  if (std::ranges::search(all, priors, same).begin() != all.end()) return false;
-  std::erase_if(all, [&](const ParameterRule& prior) {
-    return std::ranges::find(priors, prior.pattern, &ParameterRule::pattern) != priors.end();
-  });
-  all.insert(all.end(), priors.begin(), priors.end());
+}
+
+bool same(const ParameterRule& a, const ParameterRule& b) { return a.pattern == b.pattern && a.sigma == b.sigma; }
+
+}  // namespace
+
+bool weigh_lens_priors(CalibrationProblem& problem, const BundleState& state) {
+  if (std::ranges::none_of(problem.cameras, can_have_pole, &ProblemCamera::model)) return false;
+  const std::vector<double> noise = robust_sigmas(problem, state);
+  std::vector<ParameterRule> priors;
+  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) add_priors(problem, state, c, noise[c], priors);
+  if (std::ranges::equal(priors, problem.lens_priors, same)) return false;
+  problem.lens_priors = std::move(priors);
   return true;
 }
 

@@ -46,9 +46,8 @@ Subproblem select_cameras(const CalibrationProblem& whole, const std::vector<int
       sub.problem.laser->anchor->view = static_cast<int>(anchored - sub.views.begin());
     }
   }
-  const auto matches = [&](const ParameterRule& rule) { return matches_any(rule, sub.problem); };
-  std::ranges::copy_if(whole.rules, std::back_inserter(sub.problem.rules), matches);
-  std::ranges::copy_if(whole.lens_priors, std::back_inserter(sub.problem.lens_priors), matches);
+  std::ranges::copy_if(whole.rules, std::back_inserter(sub.problem.rules),
+                       [&](const ParameterRule& rule) { return matches_any(rule, sub.problem); });
   return sub;
 }
 

@@ -195,7 +195,7 @@ SurveySolve solve_with_landmarks(const CalibrationProblem& problem, const Bundle
   solve.images = place_images(calibration_of(problem, cameras, known), survey, solve.not_placed);
   if (solve.images.empty()) return solve;
   scale_corners(solve.problem, corner_scale);
-  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) weigh_lens_prior(solve.problem, solve.state, c);
+  weigh_lens_priors(solve.problem, solve.state);
   const std::map<std::string, SeenLandmark> landmarks = seen_landmarks(survey, solve.images);
   std::map<std::string, std::vector<const SurveyImage*>> moments;  // in the order of solve.images
   for (const SurveyImage& image : solve.images) moments[image.image].push_back(&image);

@@ -7,6 +7,7 @@
 namespace raybundle {
 
 Scan without_fixtures(const VehicleLayout& layout, const Scan& scan, double margin_m, std::vector<ScenePoint>& kept) {
+  if (std::ranges::all_of(layout.fixtures, &Eigen::AlignedBox3d::isEmpty)) return scan;
   kept.clear();
   for (const ScenePoint& point : scan.points) {
     const double margin = std::max(margin_m, 3.0 * point.sigma_m);

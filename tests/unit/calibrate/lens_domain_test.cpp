@@ -89,7 +89,7 @@ TEST(LensDomain, CoefficientsWithAPriorByARuleAreNotGivenUp) {
   BundleSummary summary;
   EXPECT_FALSE(give_up_coefficients(problem, state, 0, summary, solve));
   problem.rules.clear();
-  weigh_lens_prior(problem, state, 0);
+  weigh_lens_priors(problem, state);
   EXPECT_TRUE(give_up_coefficients(problem, state, 0, summary, solve));
 }
 

@@ -52,8 +52,8 @@ TEST(LensPrior, IsWeighedByNoiseAndField) {
   const testing::SyntheticWorld world = world_of(0.3);
   CalibrationProblem problem = world.problem;
   const std::string camera = problem.cameras[0].name + ".";
-  ASSERT_TRUE(weigh_lens_prior(problem, true_state(world), 0));
-  EXPECT_FALSE(weigh_lens_prior(problem, true_state(world), 0)) << "the same again";
+  ASSERT_TRUE(weigh_lens_priors(problem, true_state(world)));
+  EXPECT_FALSE(weigh_lens_priors(problem, true_state(world))) << "the same again";
   const Parameter k1 = parameter_named(problem, camera + "k1"), k6 = parameter_named(problem, camera + "k6");
   EXPECT_EQ(k1.kind, ParameterRule::Kind::kPrior);
   // Noise and field are each rounded by a fourth of an octave at most; the field is the tangent of 35 to 50 degrees.
@@ -70,7 +70,7 @@ TEST(LensPrior, GivesWayToAnyRule) {
   const std::string camera = problem.cameras[0].name + ".";
   problem.rules = {{camera + "k6", ParameterRule::Kind::kFixed, 0.0, 0.0},
                    {camera + "k2", ParameterRule::Kind::kFree, {}, 0.0}};
-  ASSERT_TRUE(weigh_lens_prior(problem, true_state(world), 0));
+  ASSERT_TRUE(weigh_lens_priors(problem, true_state(world)));
   EXPECT_EQ(parameter_named(problem, camera + "k6").kind, ParameterRule::Kind::kFixed);
   EXPECT_EQ(parameter_named(problem, camera + "k2").kind, ParameterRule::Kind::kFree);
   EXPECT_EQ(parameter_named(problem, camera + "k1").kind, ParameterRule::Kind::kPrior);
@@ -92,7 +92,7 @@ TEST(LensPrior, IsOfModelsThatCanHaveAPoleOnly) {
   testing::SyntheticOptions options;
   const testing::SyntheticWorld world = testing::synthetic_world(options);
   CalibrationProblem problem = world.problem;
-  EXPECT_FALSE(weigh_lens_prior(problem, true_state(world), 0));
+  EXPECT_FALSE(weigh_lens_priors(problem, true_state(world)));
   EXPECT_TRUE(problem.lens_priors.empty());
 }
 
@@ -103,7 +103,7 @@ TEST(LensPrior, KeepsPolesAwayFromTheCorners) {
   CalibrationProblem problem = world.problem;
   BundleState without = truth;
   solve_bundle(problem, without);
-  weigh_lens_prior(problem, truth, 0);
+  weigh_lens_priors(problem, truth);
   BundleState with = truth;
   solve_bundle(problem, with);
   constexpr double kDegree = M_PI / 180.0;  // boards reach 40 to 50 degrees off the axis

@@ -51,7 +51,7 @@ BundleSummary solve_to_the_end(const CalibrationProblem& problem, BundleState& s
 /// The rig's problem with the prior that calibrate() gives a rational lens by the noise and field of a state.
 CalibrationProblem with_lens_prior(const RandomRig& rig, const BundleState& state) {
   CalibrationProblem problem = rig.problem;
-  weigh_lens_prior(problem, state, 0);
+  weigh_lens_priors(problem, state);
   return problem;
 }
 

@@ -10,7 +10,7 @@
 
 namespace raybundle {
 
-/// Weighs what is known of a rational lens before any corner is seen, by the state's noise and field: each coefficient
+/// Weighs what is known of rational lenses before any corner is seen, by the state's noise and field: each coefficient
 /// of its radial profile is zero, with a sigma of 1, or of what moves the outermost corner by its own radius where that
 /// is more. Lenses from the rectilinear to the equidistant one (atan(r) / r) have coefficients of about 1 at most.
 ///
@@ -21,9 +21,9 @@ namespace raybundle {
 ///
 /// Noise and field are rounded, so that a solve from elsewhere weighs alike.
 ///
-/// @param problem  its lens_priors of this camera are replaced
+/// @param problem  its lens_priors are replaced
 /// @return         whether they changed
-bool weigh_lens_prior(CalibrationProblem& problem, const BundleState& state, int camera);
+bool weigh_lens_priors(CalibrationProblem& problem, const BundleState& state);
 
 /// Whether a parameter of a problem's blocks has the prior of its lens, and not one by a rule.
 bool has_lens_prior(const CalibrationProblem& problem, const Parameter& parameter);

@@ -127,8 +127,7 @@ struct PlaneDistortion {
 
   /// Radius up to which the denominator is positive; may be infinite.
   static double pole_radius(const double* k) requires kHasDenominator {
-    const double root = first_root(bernstein_to_infinity(std::array<double, 4>{1.0, k[5], k[6], k[7]}));
-    return root < 1.0 ? std::sqrt(root / (1.0 - root)) : std::numeric_limits<double>::infinity();
+    return radius_at(first_root(bernstein_to_infinity(std::array<double, 4>{1.0, k[5], k[6], k[7]})));
   }
 
   /// Radius up to which the radial profile r s(r) increases and its denominator is positive; may be infinite.
@@ -148,10 +147,15 @@ struct PlaneDistortion {
       const std::array<double, 4> slope{1.0, 3.0 * k[0], 5.0 * k[1], 7.0 * k3(k)};
       root = first_root(bernstein_to_infinity(slope));
     }
-    return root < 1.0 ? std::sqrt(root / (1.0 - root)) : std::numeric_limits<double>::infinity();
+    return radius_at(root);
   }
 
  private:
+  /// Of v = r² / (1 + r²).
+  static double radius_at(double v) {
+    return v < 1.0 ? std::sqrt(v / (1.0 - v)) : std::numeric_limits<double>::infinity();
+  }
+
   template <typename T>
   static T k3(const T* k) {
     if constexpr (n >= 5) return k[4];
