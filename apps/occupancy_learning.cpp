@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -67,11 +68,11 @@ AirbagAction action_to_learn(const MeasuredScene& scene, const SimulatedLearning
   return AirbagAction::kNoFire;
 }
 
-// As a runtime would have fitted it to pairs as small as those that are learnt from, when the seat was empty; or amid
-// its travel, when it never was.
-SeatPose seat_as_known(const SeatSetting& truth, const SimulatedLearning& how, std::uint64_t seed) {
+// As a runtime would have fitted it to pairs as small as those that are learnt from, when the seat was empty; not known
+// when it never was.
+std::optional<SeatPose> seat_as_known(const SeatSetting& truth, const SimulatedLearning& how, std::uint64_t seed) {
   Random random(seed, 73);
-  if (random.chance(how.seat_unseen)) return {};
+  if (random.chance(how.seat_unseen)) return std::nullopt;
   SeatPose seat = seat_pose(truth);
   for (double& x_m : seat.bight) x_m += how.seat_sigma_m * random.normal();
   for (double* angle_rad : {&seat.recline_rad, &seat.cushion_pitch_rad}) {
@@ -162,7 +163,7 @@ MeasuredScene as_in_another_car(MeasuredScene scene, const SimulatedLearning& ho
   layout.dashboard_top_m = height(layout.dashboard_top_m);
   layout.zone_floor_m = height(layout.zone_floor_m);
   layout.dashboard_x_m = moved({dashboard_x_m, 0.0, 0.0}, false).x();
-  other.seat = moved_seat(scene.seat, stretch, shift);
+  if (scene.seat) other.seat = moved_seat(*scene.seat, stretch, shift);
   other.viewpoint_in_vehicle = eye;
   other.points.clear(), other.parts.clear(), other.true_points.clear();
   for (std::size_t i = 0; i < scene.points.size(); ++i) {
@@ -197,7 +198,8 @@ LabelledCases simulated_cases(const SimulatedLearning& how) {
                       .voting = voting,
                       .judging = judging_of(how)};
   const auto add = [&](std::size_t n, const MeasuredScene& seen) {
-    cases.attributes.col(static_cast<Eigen::Index>(n)) = set.attributes(seen.layout, seen.seat, seen.scan());
+    const SeatPose seat = seen.seat.value_or(SeatPose{});  // amid its travel, as the monitor takes it
+    cases.attributes.col(static_cast<Eigen::Index>(n)) = set.attributes(seen.layout, seat, seen.scan());
     cases.classes[n] = static_cast<std::uint8_t>(seen.truth.seat_class);
     cases.actions[n] = action_to_learn(seen, how);
   };

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "raybundle/cockpit/cabin_scene.hpp"
@@ -23,7 +24,7 @@ struct MeasuredScene {
   std::vector<ScenePoint> points;
   std::vector<CabinPart> parts;              ///< truth, aligned with points
   std::vector<Eigen::Vector3d> true_points;  ///< [m] in the vehicle frame, of dots, aligned with points; else none
-  SeatPose seat;                             ///< as far as the sensor knows it: as it was fitted, or amid its travel
+  std::optional<SeatPose> seat;              ///< as it was fitted; none: nobody knows how it is set
   int rays = 0;
   State state = State::kOk;  ///< of the sensor
 

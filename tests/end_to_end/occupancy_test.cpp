@@ -101,6 +101,23 @@ TEST(Occupancy, TheTruthFollowsIntoAnotherCar) {
   EXPECT_GT(other_class, 0);  // else nothing was shown
 }
 
+// A seat that is known moves with the car; of one that nobody knows, nothing is known there either.
+TEST(Occupancy, TheSeatFollowsIntoAnotherCarIfItIsKnown) {
+  apps::SimulatedLearning how;
+  how.car_lost = 0.0;
+  apps::MeasuredScene scene = apps::measured_scene(
+      {apps::SensorKind::kStructuredLight, {CockpitGenerator::kTraining, 1, CabinClass::kEmpty, 0.0}, {11, 11}});
+  EXPECT_FALSE(apps::as_in_another_car(scene, how, 1).seat);
+  scene.seat = apps::seat_pose(scene.truth.seat);
+  scene.points.push_back({0, scene.truth.seat.bight, 0.005});
+  scene.parts.push_back(CabinPart::kDashboard);  // of which nothing is dented
+  const apps::MeasuredScene other = apps::as_in_another_car(scene, how, 1);
+  ASSERT_TRUE(other.seat);
+  const Eigen::Vector3d& bight = other.points.back().x_in_vehicle;
+  EXPECT_NEAR((other.seat->bight - Eigen::Vector2d(bight.x(), bight.z())).norm(), 0.0, 1e-12);
+  EXPECT_GT((other.seat->bight - scene.seat->bight).norm(), 1e-3) << "a car that is not another one";
+}
+
 // What allows has to last three frames; an empty seat is never fired at.
 TEST(Occupancy, ClassifiesFramesOfLaserPoints) {
   const fs::path folder = fresh_folder();
