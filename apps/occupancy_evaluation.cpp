@@ -123,7 +123,7 @@ void add(const Trial& trial, Evaluation& sum) {
 MonitorOptions monitor_options_of(SensorKind kind) {
   MonitorOptions options;
   if (kind == SensorKind::kStructuredLight) {
-    options.sure_of_force = 0.97;
+    options.sure_of_force = 0.95;
     options.zones.margin_m = 0.10;  // people reach on between the dots
   } else {
     options.dense = true;
