@@ -49,20 +49,45 @@ std::vector<ParameterRule> keep_lens_beyond_corners(CalibrationProblem& single, 
   return given_up;
 }
 
+/// What becomes of a start.
+struct Attempt {
+  BundleState state;
+  std::vector<ParameterRule> lens_priors;
+  std::vector<std::string> reasons;
+  BundleSummary solved;
+};
+
+// Leaves the attempt's priors in the problem.
+Attempt solve_from(const CameraStart& start, CalibrationProblem& single, const CalibrateOptions& options) {
+  Attempt attempt{state_from_start(single, start), {}, start.reasons, {}};
+  auto& [state, lens_priors, reasons, solved] = attempt;
+  weigh_lens_priors(single, state);
+  solve_robustly(single, state, options);
+  if (give_second_chance(single, state, options, reasons)) solve_robustly(single, state, options);
+  solved = solve_without_outliers(single, state, options, false, reasons);
+  for (int round = 0; round < kMostWeighings && weigh_lens_priors(single, state); ++round) {
+    solved = solve_without_outliers(single, state, options, false, reasons);
+  }
+  lens_priors = single.lens_priors;
+  return attempt;
+}
+
+Attempt solve_from_best(const CameraStart& start, CalibrationProblem& single, const CalibrateOptions& options) {
+  Attempt best = solve_from(start, single, options);
+  for (const CameraStart& other : start.others) {
+    Attempt attempt = solve_from(other, single, options);
+    if (fits_better(single, attempt.state, best.state, options)) best = std::move(attempt);
+  }
+  single.lens_priors = best.lens_priors;
+  return best;
+}
+
 void solve_camera_alone(const CalibrationProblem& problem, int camera, const CalibrateOptions& options,
                         std::vector<StageTime>& stages, CamerasAlone& alone) {
   Subproblem single = select_cameras(problem, {camera});
   const CameraStart start = start_of(single.problem, stages);
   const Stopwatch stopwatch(stages, "solve");
-  BundleState state = state_from_start(single.problem, start);
-  std::vector<std::string> reasons = start.reasons;
-  weigh_lens_priors(single.problem, state);
-  solve_robustly(single.problem, state, options);
-  if (give_second_chance(single.problem, state, options, reasons)) solve_robustly(single.problem, state, options);
-  BundleSummary solved = solve_without_outliers(single.problem, state, options, false, reasons);
-  for (int round = 0; round < kMostWeighings && weigh_lens_priors(single.problem, state); ++round) {
-    solved = solve_without_outliers(single.problem, state, options, false, reasons);
-  }
+  auto [state, lens_priors, reasons, solved] = solve_from_best(start, single.problem, options);
   CameraOptimum optimum = leave_local_optima(single.problem, state, options, reasons, solved);
   alone.given_up[camera] = keep_lens_beyond_corners(single.problem, state, options, reasons, optimum);
   alone.summaries[camera] = optimum.summary;

@@ -17,14 +17,14 @@ namespace raybundle {
 namespace {
 
 constexpr std::size_t kMostRays = 400;  // of the lens's field, spread over the views
-constexpr int kRounds = 2;              // from a lower optimum once more
+constexpr int kRounds = 6;              // from a lower optimum to the next
 constexpr double kAlikeSigmas = 3.0;    // two optima of the same corners differ by no more in where they project
 constexpr double kLeastAlikePx = 0.5;
 constexpr double kMostAlikePx = 3.0;
-constexpr double kWonBack = 4.0;         // squared sigmas that a turned board may cost at first
-constexpr std::size_t kMostTried = 4;    // boards that are turned one by one
+constexpr double kWonBack = 25.0;        // squared sigmas that a turned board may cost at first
+constexpr std::size_t kMostTried = 8;    // boards that are turned one by one
 constexpr std::size_t kMostViews = 100;  // of which one could move the camera
-constexpr std::size_t kOfEachSide = 4;   // cameras along the valley
+constexpr std::size_t kOfEachSide = 8;   // cameras along the valley
 constexpr double kReadmitted = 4.0;      // times the limit of outliers
 constexpr double kMirroredGain = 1e-6;   // relative: by which a mirrored board's squares must be smaller
 

@@ -148,6 +148,20 @@ std::vector<double> robust_sigmas(const CalibrationProblem& problem, const Bundl
   return sigmas_of(problem, state, whitened_distances(problem, state));
 }
 
+bool fits_better(const CalibrationProblem& single, const BundleState& state, const BundleState& other,
+                 const CalibrateOptions& options) {
+  const Distances here = whitened_distances(single, state), there = whitened_distances(single, other);
+  const double sigma = std::min(sigmas_of(single, state, here)[0], sigmas_of(single, other, there)[0]);
+  const auto cost = [limit = options.outlier_sigma * sigma](const Distances& distances) {
+    double sum = 0.0;
+    for (const std::vector<double>& of_view : distances) {
+      for (const double distance : of_view) sum += std::pow(std::min(distance, limit), 2);
+    }
+    return sum;
+  };
+  return cost(here) < cost(there);
+}
+
 std::string outlier_rule(const CalibrateOptions& options) {
   return fmt::format(
       "corners farther from their projection than {:g} robust sigmas of their camera (median distance / 1.1774, in "

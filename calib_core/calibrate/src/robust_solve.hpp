@@ -15,6 +15,11 @@ namespace raybundle {
 /// the poses fit a part of the noise, of views with few corners most of it. Infinite for a camera without used views.
 std::vector<double> robust_sigmas(const CalibrationProblem& problem, const BundleState& state);
 
+/// Whether the corners of a single camera fit one state better than another: those beyond the limit of outliers, under
+/// the smaller noise of both, count as if they were there.
+bool fits_better(const CalibrationProblem& single, const BundleState& state, const BundleState& other,
+                 const CalibrateOptions& options);
+
 /// The outlier rule in words, as the report prints it.
 std::string outlier_rule(const CalibrateOptions& options);
 

@@ -24,6 +24,11 @@ constexpr std::size_t kRefineViews = 32;    ///< for the last refinement
 constexpr std::size_t kRefineCorners = 40;
 constexpr double kShareOfViews = 0.7;     ///< a lens under which fewer views fit is looked for once more, thoroughly
 constexpr double kOffAxisWeight = 100.0;  ///< of a prior: 0.01 costs as much as one corner that is off by a pixel
+constexpr double kOtherFocal = 0.05;      ///< relative: lenses whose focal lengths differ by less are one
+constexpr double kNearlyAsGood = 1.2;     ///< times the best score: all corners decide
+constexpr std::size_t kMostLenses = 3;    ///< that all corners decide between
+constexpr double kAlikeRad = 0.1;         ///< boards whose normals are within this of each other are held alike
+constexpr double kPlainFocal = 0.005;     ///< relative uncertainty of a lens that no other one is like
 constexpr double kMaxFocalUncertainty = 0.2;  ///< relative; what is left to chance beyond this is not a start
 
 /// The views of a camera with their corners.
@@ -123,6 +128,17 @@ double fit_threshold(const std::vector<std::optional<ViewPose>>& poses) {
   return medians.empty() ? kFitPx : std::clamp(5.0 * median(medians), kFitPx, 50.0);
 }
 
+/// Whether nearly all boards face the same way: such views fit several lenses.
+bool held_alike(const std::vector<Rigid3>& camera_from_target) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Rigid3& pose : camera_from_target) mean += pose.rotation * Eigen::Vector3d::UnitZ();
+  mean.normalize();
+  const auto alike = std::ranges::count_if(camera_from_target, [&](const Rigid3& pose) {
+    return mean.dot(pose.rotation * Eigen::Vector3d::UnitZ()) > std::cos(kAlikeRad);
+  });
+  return 10 * alike >= 9 * std::ssize(camera_from_target);
+}
+
 /// Why the views leave the lens open under this guess; empty when they do not.
 std::string reason_against_lens(const std::vector<PointsInView>& views, ImageSize size, const LensGuess& guess) {
   const double uncertainty = focal_uncertainty(views, size, guess);
@@ -148,6 +164,30 @@ LensGuess lens_in_model(ModelId model, ImageSize size, const std::vector<PointsI
   guess.score_px = robust_score(lens, guess.parameters.data(), chosen, guess.poses);
   polish(model, size, chosen, guess);
   return guess;
+}
+
+/// What the views make of several start lenses in the model asked for: those that differ and are nearly as good as the
+/// best, which comes first.
+std::vector<LensGuess> lenses_in_model(const ProblemCamera& camera, const std::vector<PointsInView>& chosen,
+                                       const std::vector<LensGuess>& starts) {
+  std::vector<LensGuess> lenses;
+  std::string first_reason;
+  for (const LensGuess& start : starts) {
+    const std::string reason = reason_against_lens(chosen, camera.size, start);
+    if (first_reason.empty()) first_reason = reason;
+    if (reason.empty()) lenses.push_back(lens_in_model(camera.model, camera.size, chosen, start));
+  }
+  if (lenses.empty()) throw Error(ErrorKind::kNotEnoughData, first_reason, "camera " + camera.name);
+  std::ranges::stable_sort(lenses, {}, &LensGuess::score_px);
+  std::vector<LensGuess> kept;
+  for (const LensGuess& lens : lenses) {
+    const bool known = std::ranges::any_of(kept, [&](const LensGuess& other) {
+      return std::abs(std::log(lens.parameters[0] / other.parameters[0])) < kOtherFocal;
+    });
+    if (!known && lens.score_px <= kNearlyAsGood * lenses.front().score_px) kept.push_back(lens);
+  }
+  if (kept.size() > kMostLenses) kept.resize(kMostLenses);
+  return kept;
 }
 
 /// A lens on more views, those that fit it.
@@ -201,8 +241,8 @@ PosedViews posed_views(ModelId model, const LensVector& parameters, const Camera
   return posed;
 }
 
-/// Lens and poses from the views alone, in the model asked for.
-PosedViews find_lens(const ProblemCamera& camera, const CameraViews& all) {
+/// Lens and poses from the views alone, in the model asked for; of lenses that are nearly as good, the best first.
+std::vector<PosedViews> find_lenses(const ProblemCamera& camera, const CameraViews& all) {
   std::vector<PointsInView> views;
   for (std::size_t i = 0; i < all.corners.size(); ++i) {
     if (all.usable[i]) views.push_back(all.corners[i]);
@@ -218,37 +258,32 @@ PosedViews find_lens(const ProblemCamera& camera, const CameraViews& all) {
   for (const std::size_t v : spread_views(views, kSearchViews)) chosen.push_back(screened(views[v], kSearchCorners));
 
   std::optional<PosedViews> quick;
-  // A quick answer counts only where it can be tested: on views that it was not found with, which it fits plainly.
+  // A quick answer counts only where it can be tested: on views that it was not found with, which it fits plainly. Nor
+  // where several lenses may fit: of boards that are far away or held alike.
   const auto first = views.size() > chosen.size() ? search_lens_quickly(chosen, camera.size) : std::nullopt;
-  if (first && reason_against_lens(chosen, camera.size, *first).empty()) {
+  if (first && !held_alike(first->poses) && focal_uncertainty(chosen, camera.size, *first) < kPlainFocal) {
     const LensGuess in_model = lens_in_model(camera.model, camera.size, chosen, *first);
     const auto enough = [&] {
       const bool fits_plainly = quick->threshold_px <= kFitPx;
       return fits_plainly && static_cast<double>(quick->posed()) >= kShareOfViews * static_cast<double>(views.size());
     };
     quick = posed_views(camera.model, in_model.parameters, all);
-    if (enough()) return *quick;
+    if (enough()) return {*quick};
     quick = posed_views(camera.model, lens_on_more(camera.model, camera.size, views, in_model), all);
-    if (enough()) return *quick;
+    if (enough()) return {*quick};
   }
-  const LensGuess start = search_lens(chosen, camera.size);
-  const std::string reason = reason_against_lens(chosen, camera.size, start);
-  if (!reason.empty()) throw Error(ErrorKind::kNotEnoughData, reason, "camera " + camera.name);
-  const LensGuess in_model = lens_in_model(camera.model, camera.size, chosen, start);
-  PosedViews thorough = posed_views(camera.model, lens_on_more(camera.model, camera.size, views, in_model), all);
-  return quick && quick->posed() > thorough.posed() ? *quick : thorough;
+  std::vector<PosedViews> found;
+  for (const LensGuess& lens : lenses_in_model(camera, chosen, search_lenses(chosen, camera.size))) {
+    found.push_back(posed_views(camera.model, lens_on_more(camera.model, camera.size, views, lens), all));
+  }
+  if (quick && quick->posed() > found.front().posed()) found.front() = *quick;
+  return found;
 }
 
-}  // namespace
-
-CameraStart initialize_camera(const CalibrationProblem& problem, int camera) {
-  const ProblemCamera& wanted = problem.cameras[camera];
-  const CameraViews views = views_of(problem, camera);
-  const PosedViews posed =
-      wanted.parameters ? posed_views(wanted.model, *wanted.parameters, views) : find_lens(wanted, views);
-
+CameraStart start_of(const CalibrationProblem& problem, const ProblemCamera& camera, const CameraViews& views,
+                     const PosedViews& posed) {
   CameraStart start;
-  start.camera = {wanted.model, wanted.size, posed.lens};
+  start.camera = {camera.model, camera.size, posed.lens};
   start.camera_from_target.resize(problem.views.size());
   start.reasons.resize(problem.views.size());
   for (std::size_t i = 0; i < views.index.size(); ++i) {
@@ -257,6 +292,26 @@ CameraStart initialize_camera(const CalibrationProblem& problem, int camera) {
     if (start.reasons[v].empty()) start.camera_from_target[v] = posed.poses[i]->camera_from_target;
   }
   return start;
+}
+
+}  // namespace
+
+CameraStart initialize_camera(const CalibrationProblem& problem, int camera) {
+  const ProblemCamera& wanted = problem.cameras[camera];
+  const CameraViews views = views_of(problem, camera);
+  if (wanted.parameters) {
+    return start_of(problem, wanted, views, posed_views(wanted.model, *wanted.parameters, views));
+  }
+  std::optional<CameraStart> best;
+  for (const PosedViews& posed : find_lenses(wanted, views)) {
+    CameraStart start = start_of(problem, wanted, views, posed);
+    if (best) {
+      best->others.push_back(std::move(start));
+    } else {
+      best = std::move(start);
+    }
+  }
+  return *best;
 }
 
 std::optional<Rigid3> initialize_view(const CalibrationProblem& problem, const TargetView& view, const Camera& camera,

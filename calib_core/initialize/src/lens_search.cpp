@@ -20,6 +20,9 @@ constexpr std::size_t kSweepViews = 3;      ///< for the first, coarse sweep
 constexpr std::size_t kQuickViews = 6;      ///< for what is best in it
 constexpr std::size_t kQuickCorners = 12;   ///< of each of them
 constexpr double kGoodFitOfWidth = 1.2e-3;  ///< of the image: a lens that leaves more may be the wrong one
+constexpr std::size_t kRefined = 30;        ///< guesses of the sweep
+constexpr std::size_t kMostAnswers = 12;    ///< lenses that fit and differ
+constexpr double kAsGood = 2.0;             ///< times the best score: the model asked for decides
 constexpr int kAlpha = 4;                   ///< index of StartLens's profile in the parameters
 
 const LensFunctions& start_lens() {
@@ -136,19 +139,6 @@ std::vector<LensGuess> sweep(std::initializer_list<double> alphas, double focal_
 
 double good_fit_px(ImageSize size) { return std::min(1.0, kGoodFitOfWidth * std::max(size.width, size.height)); }
 
-/// The best of some guesses that differ, all of them refined a little and some of those with everything free.
-LensGuess best_refined(std::vector<LensGuess> guesses, std::size_t count, std::size_t with_all_free,
-                       const std::vector<PointsInView>& views, ImageSize size) {
-  guesses = best_and_different(std::move(guesses), count);
-  for (LensGuess& guess : guesses) refine(views, size, false, 10, guess);
-  std::ranges::stable_sort(guesses, {}, &LensGuess::score_px);
-  if (guesses.size() > with_all_free) guesses.resize(with_all_free);
-  for (LensGuess& guess : guesses) {
-    for (const int iterations : {10, 15, 20}) refine(views, size, true, iterations, guess);
-  }
-  return *std::ranges::min_element(guesses, {}, &LensGuess::score_px);
-}
-
 }  // namespace
 
 double robust_score(const LensFunctions& lens, const double* parameters, const std::vector<PointsInView>& views,
@@ -163,14 +153,19 @@ double robust_score(const LensFunctions& lens, const double* parameters, const s
   return mean_of_best(of_views, 0.7);
 }
 
-LensGuess search_lens(const std::vector<PointsInView>& views, ImageSize size) {
+std::vector<LensGuess> search_lenses(const std::vector<PointsInView>& views, ImageSize size) {
   const std::vector<PrincipalFrame> frames = frames_of(views);
-  const std::vector<LensGuess> guesses = sweep({0.0, 0.3, 0.5, 0.6, 0.7, 0.85}, 1.25, views, frames, size, 4);
-  const LensGuess best = best_refined(guesses, 6, 3, views, size);
-  if (best.score_px <= good_fit_px(size)) return best;
-  // Few corners with wrong ones among them hardly tell which guesses are worth refining.
-  const LensGuess of_more = best_refined(guesses, 30, 10, views, size);
-  return of_more.score_px < best.score_px ? of_more : best;
+  std::vector<LensGuess> guesses = sweep({0.0, 0.3, 0.5, 0.6, 0.7, 0.85}, 1.25, views, frames, size, 4);
+  // Few corners with wrong ones among them hardly tell which guesses are worth refining. Of pixels that are not square,
+  // a wrong lens may fit better than the right one as long as they are held to be.
+  guesses = best_and_different(std::move(guesses), kRefined);
+  for (LensGuess& guess : guesses) {
+    refine(views, size, false, 10, guess);
+    for (const int iterations : {10, 15, 20}) refine(views, size, true, iterations, guess);
+  }
+  guesses = best_and_different(std::move(guesses), kMostAnswers);
+  std::erase_if(guesses, [&](const LensGuess& guess) { return guess.score_px > kAsGood * guesses.front().score_px; });
+  return guesses;
 }
 
 std::optional<LensGuess> search_lens_quickly(const std::vector<PointsInView>& views, ImageSize size) {

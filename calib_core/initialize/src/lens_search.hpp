@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <vector>
-
 #include <optional>
+#include <vector>
 
 #include "lens_bundle.hpp"
 
@@ -22,15 +21,16 @@ struct LensGuess {
 double robust_score(const LensFunctions& lens, const double* parameters, const std::vector<PointsInView>& views,
                     const std::vector<Rigid3>& poses);
 
-/// StartLens of the views: a sweep over focal lengths and profiles, from 30° to beyond 220°, with a linear pose for
-/// every view, then the best few refined with principal point, aspect ratio and a bent profile; the best of them. Where
-/// none of these fits to about a pixel, many more are refined. Its score tells how far to trust it.
+/// StartLenses of the views: a sweep over focal lengths and profiles, from 30° to beyond 220°, with a linear pose for
+/// every view, then those that fit best refined with principal point, aspect ratio and a bent profile. Of those that
+/// differ the best ones, the best first: boards that are far away or held alike fit several. Scores tell how far to
+/// trust them.
 ///
 /// @param views  a selection: a dozen or two that differ, a few dozen corners in each, gross errors removed
-LensGuess search_lens(const std::vector<PointsInView>& views, ImageSize size);
+std::vector<LensGuess> search_lenses(const std::vector<PointsInView>& views, ImageSize size);
 
-/// The same with a coarser sweep over a handful of the views; nothing unless the lens that it finds explains the views
-/// to about a pixel. Ordinary data pass, and cost a tenth.
+/// The best of them by a coarser sweep over a handful of the views; nothing unless the lens that it finds explains the
+/// views to about a pixel. Ordinary data pass, and cost a tenth.
 std::optional<LensGuess> search_lens_quickly(const std::vector<PointsInView>& views, ImageSize size);
 
 /// Relative standard deviation of the focal length when the poses and the profile are unknown too; large when all

@@ -3,6 +3,7 @@
 #include "model_fit.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "view_screen.hpp"
@@ -13,6 +14,8 @@ namespace {
 constexpr double kGoodFitPx = 0.3;     ///< the polish on corners does the rest
 constexpr std::size_t kSamples = 150;  ///< rays that a fit is made on
 constexpr double kHeldWeight = 1e9;    ///< of a prior that holds a parameter where it is
+
+constexpr std::array kTimesOwnShape{0.5, 0.75, 1.33};  ///< where fits start that look for others than a known one
 
 /// The shapes that a fit is started from.
 std::vector<LensVector> starting_shapes(ModelId model) {
@@ -115,12 +118,13 @@ LensVector fit_model(ModelId model, const PointsInView& field, const LensVector&
   return best;
 }
 
-std::vector<LensVector> model_fits(ModelId model, const PointsInView& samples, const LensVector& guess_fx_fy_cx_cy) {
+std::vector<LensVector> model_fits(ModelId model, const PointsInView& samples, const LensVector& known) {
   const LensFunctions lens = lens_functions(model);
+  std::vector<LensVector> shapes = starting_shapes(model);
+  const LensVector own = known.tail(shapes.front().size());
+  for (const double times : kTimesOwnShape) shapes.push_back(times * own);
   std::vector<LensVector> fits;
-  for (const LensVector& shape : starting_shapes(model)) {
-    fits.push_back(fit_from(model, lens, samples, guess_fx_fy_cx_cy, shape));
-  }
+  for (const LensVector& shape : shapes) fits.push_back(fit_from(model, lens, samples, known, shape));
   return fits;
 }
 

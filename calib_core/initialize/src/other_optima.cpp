@@ -23,6 +23,7 @@ constexpr double kHopeless = 60.0;      ///< the same, before the pose has settl
 constexpr std::size_t kFirstLook = 24;  ///< ... of some corners
 constexpr double kNoneWrongPx = 50.0;   ///< scale of the loss: the corners are right, only the pose may be far off
 constexpr double kNarrow = 0.5;         ///< a board that spreads less across its length takes longer to settle
+constexpr double kTurnRad = 0.4;        ///< of a narrow board about its length
 constexpr double kSameRad = 1e-3;       ///< the way led back to the given pose
 
 double sum_of_squares(const LensFunctions& lens, const LensVector& parameters, const PointsInView& view,
@@ -30,6 +31,22 @@ double sum_of_squares(const LensFunctions& lens, const LensVector& parameters, c
   std::vector<double> distances;
   pixel_distances(lens, parameters.data(), view, pose, distances);
   return std::accumulate(distances.begin(), distances.end(), 0.0, [](double sum, double d) { return sum + d * d; });
+}
+
+bool narrow(const PrincipalFrame& frame) { return frame.spread[1] < kNarrow * frame.spread[0]; }
+
+// Where to look for the other pose of a board: mirrored at the plane across the line of sight. A narrow board shows so
+// little of how it is turned about its length that the mirrored pose may lead back; it may be turned farther.
+std::vector<Rigid3> other_poses(const Rigid3& camera_from_target, const PrincipalFrame& frame) {
+  std::vector<Rigid3> poses{mirrored_pose(camera_from_target, frame)};
+  if (!narrow(frame)) return poses;
+  const Eigen::Vector3d length = frame.local_from_target.row(0).transpose(), centre = camera_from_target * frame.centre;
+  for (const double turn_rad : {kTurnRad, -kTurnRad}) {
+    const Eigen::AngleAxisd turn(turn_rad, length);
+    const Eigen::Quaterniond rotation = (camera_from_target.rotation * turn).normalized();
+    poses.push_back({rotation, centre - rotation * frame.centre});
+  }
+  return poses;
 }
 
 }  // namespace
@@ -79,24 +96,28 @@ std::optional<MirroredPose> find_mirrored_pose(const Camera& camera, std::span<c
   if (points_in_target.size() < 4 || frame.collinear() || !frame.planar()) return std::nullopt;
   const LensFunctions lens = lens_functions(camera.model);
   const PointsInView view{{points_in_target.begin(), points_in_target.end()}, {pixels.begin(), pixels.end()}};
+  const PointsInView some = thinned(view, kFirstLook);
   LensVector parameters = camera.parameters;
-  const double squares = sum_of_squares(lens, parameters, view, camera_from_target);
+  const auto squares = [&](const PointsInView& corners, const Rigid3& pose) {
+    return sum_of_squares(lens, parameters, corners, pose);
+  };
+  const double hopeless = kHopeless * squares(some, camera_from_target);
   LensBundleOptions options;
   options.lens_fixed = true;
   options.scale_px = kNoneWrongPx;
-  const PointsInView some = thinned(view, kFirstLook);
-  const double limit = kHopeless * sum_of_squares(lens, parameters, some, camera_from_target);
-  std::vector<Rigid3> pose{mirrored_pose(camera_from_target, frame)};
-  const bool narrow = frame.spread[1] < kNarrow * frame.spread[0];
-  options.max_iterations = narrow ? 12 : 4;  // most boards fit one of the two only, and are soon known to
-  refine_lens(lens, {some}, options, parameters, pose);
-  if (!(sum_of_squares(lens, parameters, some, pose[0]) < limit)) return std::nullopt;
-  options.max_iterations = 20;
-  refine_lens(lens, {view}, options, parameters, pose);
-  if (pose[0].rotation.angularDistance(camera_from_target.rotation) < kSameRad) return std::nullopt;
-  const double ratio = sum_of_squares(lens, parameters, view, pose[0]) / squares;
-  if (!(ratio < kLargestRatio)) return std::nullopt;
-  return MirroredPose{pose[0], ratio};
+  std::optional<MirroredPose> best;
+  for (const Rigid3& start : other_poses(camera_from_target, frame)) {
+    std::vector<Rigid3> pose{start};
+    options.max_iterations = narrow(frame) ? 12 : 4;  // most boards fit one of the two only, and are soon known to
+    refine_lens(lens, {some}, options, parameters, pose);
+    if (!(squares(some, pose[0]) < hopeless)) continue;
+    options.max_iterations = 20;
+    refine_lens(lens, {view}, options, parameters, pose);
+    if (pose[0].rotation.angularDistance(camera_from_target.rotation) < kSameRad) continue;
+    const double ratio = squares(view, pose[0]) / squares(view, camera_from_target);
+    if (ratio < (best ? best->squares_ratio : kLargestRatio)) best = {pose[0], ratio};
+  }
+  return best;
 }
 
 }  // namespace raybundle

@@ -163,8 +163,8 @@ std::vector<Camera> cameras_along_valley(const Camera& camera, const std::vector
     const std::vector<LensVector> way = way_along(lens, field, camera.parameters, side, alike_px);
     if (way.empty() || !open_or_bent(lens, field, camera.parameters, way)) continue;
     const std::size_t count = std::min(of_each_side, way.size());
-    for (std::size_t k = 1; k <= count; ++k) {
-      cameras.push_back({camera.model, camera.size, way[k * way.size() / count - 1]});
+    for (std::size_t k = way.size() - count; k < way.size(); ++k) {
+      cameras.push_back({camera.model, camera.size, way[k]});
     }
   }
   return cameras;

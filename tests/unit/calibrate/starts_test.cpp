@@ -35,7 +35,14 @@ INSTANTIATE_TEST_SUITE_P(Rigs, HardStart,
                                            HardRig{"NoiseDoesNotOpenALens", "double_sphere", 2049},
                                            HardRig{"AnOptimumMayLieFarOut", "unified", 2030},
                                            HardRig{"CoefficientsAreGivenUpWhereNothingComesToRest", "rational", 2060},
-                                           HardRig{"WrongOnesAmongFewCornersDoNotHideTheLens", "thin_prism", 82}),
+                                           HardRig{"WrongOnesAmongFewCornersDoNotHideTheLens", "thin_prism", 82},
+                                           HardRig{"PixelsThatAreNotSquareHideNoLens", "kannala_brandt", 3037},
+                                           HardRig{"BoardsHeldAlikeFitSeveralLenses", "kannala_brandt", 5014},
+                                           HardRig{"FarBoardsFitNearlyAnyLens", "brown_conrady", 7055},
+                                           HardRig{"TwoBoardsMayBothBeMirrored", "brown_conrady", 5114},
+                                           HardRig{"ANarrowBoardMayBeTurnedAboutItsLength", "field_of_view", 5101},
+                                           HardRig{"ThreeLensesMayBeNearlyAlike", "unified", 6193},
+                                           HardRig{"TheValleyIsSearchedToItsEnd", "double_sphere", 3044}),
                          [](const auto& rig) { return std::string(rig.param.name); });
 
 }  // namespace

@@ -17,6 +17,7 @@ struct CameraStart {
   std::vector<std::optional<Rigid3>>
       camera_from_target;            ///< aligned with problem.views; empty for other cameras' views
   std::vector<std::string> reasons;  ///< aligned with problem.views; why a view of this camera has no pose
+  std::vector<CameraStart> others;   ///< other lenses, nearly as good: boards that are held alike fit several
 };
 
 /// Intrinsics and board poses of a camera from its views alone: no focal guess, any field of view up to beyond 200°,
