@@ -7,6 +7,7 @@
 
 #include "lens_certainty.hpp"
 #include "local_optima.hpp"
+#include "lost_views.hpp"
 #include "raybundle/calibrate/lens_domain.hpp"
 #include "raybundle/calibrate/lens_prior.hpp"
 #include "raybundle/geometry/error.hpp"
@@ -88,6 +89,7 @@ void solve_camera_alone(const CalibrationProblem& problem, int camera, const Cal
   const CameraStart start = start_of(single.problem, stages);
   const Stopwatch stopwatch(stages, "solve");
   auto [state, lens_priors, reasons, solved] = solve_from_best(start, single.problem, options);
+  win_back_views(single.problem, state, options, reasons, solved);
   CameraOptimum optimum = leave_local_optima(single.problem, state, options, reasons, solved);
   alone.given_up[camera] = keep_lens_beyond_corners(single.problem, state, options, reasons, optimum);
   alone.summaries[camera] = optimum.summary;

@@ -42,7 +42,9 @@ INSTANTIATE_TEST_SUITE_P(Rigs, HardStart,
                                            HardRig{"TwoBoardsMayBothBeMirrored", "brown_conrady", 5114},
                                            HardRig{"ANarrowBoardMayBeTurnedAboutItsLength", "field_of_view", 5101},
                                            HardRig{"ThreeLensesMayBeNearlyAlike", "unified", 6193},
-                                           HardRig{"TheValleyIsSearchedToItsEnd", "double_sphere", 3044}),
+                                           HardRig{"TheValleyIsSearchedToItsEnd", "double_sphere", 3044},
+                                           HardRig{"AViewWhereTheOthersShowNothingComesBack", "thin_prism", 8032},
+                                           HardRig{"AWrongPoseOfARightViewIsMended", "kannala_brandt", 9192}),
                          [](const auto& rig) { return std::string(rig.param.name); });
 
 }  // namespace
