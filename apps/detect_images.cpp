@@ -180,7 +180,10 @@ DetectedImages detect_images(const Dataset& dataset, const DetectOptions& option
 void require_views(const DetectedImages& images) {
   const std::size_t views = images.observations.problem.views.size();
   const auto often = std::ranges::max_element(images.seen_sizes, {}, [](const auto& entry) { return entry.second; });
-  if (often != images.seen_sizes.end() && static_cast<std::size_t>(often->second) >= views) {
+  const std::size_t others = often == images.seen_sizes.end() ? 0 : static_cast<std::size_t>(often->second);
+  // In a board that was not asked for, or its reflection, one that was may be found now and then.
+  const bool now_and_then = 2 * views < images.files.size() && 2 * others >= views;
+  if (others > 0 && (others >= views || now_and_then)) {
     throw Error(
         ErrorKind::kNotEnoughData,
         fmt::format("{} inner corners of a chessboard are seen in {} of {} images, which is not the board asked "

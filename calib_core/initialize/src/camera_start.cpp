@@ -232,11 +232,11 @@ PosedViews posed_views(ModelId model, const LensVector& parameters, const Camera
   for (std::size_t i = 0; i < views.corners.size(); ++i) {
     std::optional<ViewPose>& pose = posed.poses[i];
     if (pose) judge(*pose, posed.threshold_px);
-    if (views.usable[i] && !(pose && pose->fitting >= corners_needed(views.corners[i].points.size()))) {
+    if (views.usable[i] && !(pose && pose->fits())) {
       pose = ransac_view_pose(lens, parameters.data(), views.corners[i], posed.threshold_px);
     }
-    const bool fits = pose && pose->fitting >= corners_needed(views.corners[i].points.size());
-    posed.reasons.push_back(fits ? std::string() : reason_against(pose, views.corners[i], posed.threshold_px));
+    posed.reasons.push_back(pose && pose->fits() ? std::string()
+                                                 : reason_against(pose, views.corners[i], posed.threshold_px));
   }
   return posed;
 }

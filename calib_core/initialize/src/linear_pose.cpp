@@ -98,12 +98,13 @@ Eigen::Matrix3d triangle_axes(const Eigen::Vector3d& a, const Eigen::Vector3d& b
 PrincipalFrame principal_frame(std::span<const Eigen::Vector3d> points_in_target) {
   PrincipalFrame frame;
   const double count = static_cast<double>(points_in_target.size());
-  for (const Eigen::Vector3d& point : points_in_target) frame.centre += point / count;
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& point : points_in_target) frame.centre += point;
+  frame.centre /= count;
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const Eigen::Vector3d& point : points_in_target) {
-    covariance += (point - frame.centre) * (point - frame.centre).transpose() / count;
+    scatter += (point - frame.centre) * (point - frame.centre).transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter / count);
   frame.local_from_target = solver.eigenvectors().rowwise().reverse().transpose();
   if (frame.local_from_target.determinant() < 0) frame.local_from_target.row(2) *= -1.0;
   frame.spread = solver.eigenvalues().reverse().cwiseMax(0.0).cwiseSqrt();

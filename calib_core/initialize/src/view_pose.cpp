@@ -14,7 +14,8 @@
 namespace raybundle {
 namespace {
 
-constexpr std::size_t kPlainCorners = 16;  ///< of a view, for the pose that is tried first
+constexpr std::size_t kPlainCorners = 16;   ///< of a view, for the pose that is tried first
+constexpr std::size_t kJudgedCorners = 48;  ///< of a view, for whether that one is right
 
 constexpr double kSettled = 1e-3;  ///< of the cost: the bundle does the rest
 
@@ -144,25 +145,23 @@ std::optional<ViewPose> ransac_view_pose(const LensFunctions& lens, const double
 
 std::optional<ViewPose> view_pose(const LensFunctions& lens, const double* parameters, const PointsInView& view,
                                   double threshold_px) {
-  if (const auto quick = plain_pose(lens, parameters, thinned(view, kPlainCorners), threshold_px)) {
-    ViewPose pose = judged(lens, parameters, view, *quick, threshold_px);
+  const PointsInView some = thinned(view, kJudgedCorners);
+  if (const auto quick = plain_pose(lens, parameters, thinned(some, kPlainCorners), threshold_px)) {
+    ViewPose pose = judged(lens, parameters, some, *quick, threshold_px);
     const bool plainly_right = pose.median_px < 0.3 * threshold_px &&
-                               static_cast<double>(pose.fitting) >= 0.75 * static_cast<double>(view.points.size());
+                               static_cast<double>(pose.fitting) >= 0.75 * static_cast<double>(some.points.size());
     if (plainly_right) return pose;
   }
   return ransac_view_pose(lens, parameters, view, threshold_px);
 }
 
-int corners_needed(std::size_t corners) { return std::max(4, static_cast<int>((corners + 1) / 2)); }
-
 std::string reason_against(const std::optional<ViewPose>& pose, const PointsInView& view, double threshold_px) {
   const std::string corners = std::to_string(view.points.size());
   if (view.points.size() < 4) return "only " + corners + " corners were seen; a pose needs four";
   if (principal_frame(view.points).collinear()) return "its " + corners + " corners lie on one line";
-  const int fitting = pose ? pose->fitting : 0;
-  if (fitting >= corners_needed(view.points.size())) return {};
-  std::string reason =
-      "only " + std::to_string(fitting) + " of " + corners + " corners fit within " + text("%.1f px", threshold_px);
+  if (pose && pose->fits()) return {};
+  std::string reason = "only " + std::to_string(pose ? pose->fitting : 0) + " of " + corners + " corners fit within " +
+                       text("%.1f px", threshold_px);
   if (pose && std::isfinite(pose->median_px)) reason += " (median " + text("%.1f px", pose->median_px) + ")";
   return reason;
 }
