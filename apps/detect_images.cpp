@@ -163,7 +163,8 @@ DetectedImages detect_images(const Dataset& dataset, const DetectOptions& option
       for (std::size_t b = 0; b < frame.boards.size(); ++b) {
         const Detection& detection = frame.boards[b];
         if (!detection.hint.empty()) hints.emplace(words_of(detection.hint), detection.hint);
-        if (!detection.seen_size.empty()) ++images.seen_sizes[detection.seen_size];
+        const bool may_be_another = dataset.boards.size() > 1;  // of the data set's
+        if (!detection.seen_size.empty() && !may_be_another) ++images.seen_sizes[detection.seen_size];
         if (detection.observations.size() < kFewestCorners) continue;
         any = true;
         problem.views.push_back({file.camera, index_of(problem.frames, frame.frame), static_cast<int>(b),
@@ -182,7 +183,7 @@ void require_views(const DetectedImages& images) {
   const auto often = std::ranges::max_element(images.seen_sizes, {}, [](const auto& entry) { return entry.second; });
   const std::size_t others = often == images.seen_sizes.end() ? 0 : static_cast<std::size_t>(often->second);
   // In a board that was not asked for, or its reflection, one that was may be found now and then.
-  const bool now_and_then = 2 * views < images.files.size() && 2 * others >= views;
+  const bool now_and_then = views < images.unused.size() && 2 * others >= views;
   if (others > 0 && (others >= views || now_and_then)) {
     throw Error(
         ErrorKind::kNotEnoughData,

@@ -36,8 +36,8 @@ struct DetectOptions {
 ///   two cameras
 DetectedImages detect_images(const Dataset& dataset, const DetectOptions& options);
 
-/// Refuses images without any board, and images of which as many show another size of board as the one asked for: what
-/// was found in the others is then a misreading.
+/// Refuses images without any board, and images of which as many show another size of board as the one asked for, or
+/// half as many where most show neither: what was found in the others is then a misreading.
 ///
 /// @throws Error(kNotEnoughData) with what the images show instead
 void require_views(const DetectedImages& images);

@@ -122,12 +122,11 @@ void add(const Trial& trial, Evaluation& sum) {
 
 MonitorOptions monitor_options_of(SensorKind kind) {
   MonitorOptions options;
+  options.sure_of_force = 0.95;
   if (kind == SensorKind::kStructuredLight) {
-    options.sure_of_force = 0.95;
     options.zones.margin_m = 0.10;  // people reach on between the dots
   } else {
     options.dense = true;
-    options.sure_of_force = 0.95;
     options.zones = kDenseZones;
     options.moving = 0.10;  // wrong matches and rims alone move 7 % of the points of things at rest
     options.zones.margin_m = 0.03;

@@ -94,7 +94,7 @@ Detection unplaced_lattice(const Lattice& lattice, const LatticeBorders& closed,
           fmt::format("{} inner corners of a chessboard are in the image, but not where on the {} board they lie: part "
                       "of the board is out of sight, or the board is not {}",
                       seen, asked, asked),
-          seen};
+          {}};
 }
 
 }  // namespace raybundle

@@ -50,36 +50,37 @@ std::vector<ParameterRule> keep_lens_beyond_corners(CalibrationProblem& single, 
   return given_up;
 }
 
-/// What becomes of a start.
-struct Attempt {
-  BundleState state;
-  std::vector<ParameterRule> lens_priors;
-  std::vector<std::string> reasons;
-  BundleSummary solved;
-};
+// Solves without outliers until the lens priors are those of the noise and the field that are left.
+void settle_lens_priors(CalibrationProblem& single, const CalibrateOptions& options, SolvedState& solved) {
+  auto& [state, reasons, summary] = solved;
+  for (int round = 0; round < kMostWeighings && weigh_lens_priors(single, state); ++round) {
+    summary = solve_without_outliers(single, state, options, false, reasons);
+  }
+}
 
-// Leaves the attempt's priors in the problem.
-Attempt solve_from(const CameraStart& start, CalibrationProblem& single, const CalibrateOptions& options) {
-  Attempt attempt{state_from_start(single, start), {}, start.reasons, {}};
-  auto& [state, lens_priors, reasons, solved] = attempt;
+// Leaves the lens priors of what it returns in the problem.
+SolvedState solve_from(const CameraStart& start, CalibrationProblem& single, const CalibrateOptions& options) {
+  SolvedState solved{state_from_start(single, start), start.reasons, {}};
+  auto& [state, reasons, summary] = solved;
   weigh_lens_priors(single, state);
   solve_robustly(single, state, options);
   if (give_second_chance(single, state, options, reasons)) solve_robustly(single, state, options);
-  solved = solve_without_outliers(single, state, options, false, reasons);
-  for (int round = 0; round < kMostWeighings && weigh_lens_priors(single, state); ++round) {
-    solved = solve_without_outliers(single, state, options, false, reasons);
-  }
-  lens_priors = single.lens_priors;
-  return attempt;
+  summary = solve_without_outliers(single, state, options, false, reasons);
+  settle_lens_priors(single, options, solved);
+  return solved;
 }
 
-Attempt solve_from_best(const CameraStart& start, CalibrationProblem& single, const CalibrateOptions& options) {
-  Attempt best = solve_from(start, single, options);
+// Of lenses that a few views leave open, all corners decide.
+SolvedState solve_from_best(const CameraStart& start, CalibrationProblem& single, const CalibrateOptions& options) {
+  SolvedState best = solve_from(start, single, options);
+  std::vector<ParameterRule> priors_of_best = single.lens_priors;
   for (const CameraStart& other : start.others) {
-    Attempt attempt = solve_from(other, single, options);
-    if (fits_better(single, attempt.state, best.state, options)) best = std::move(attempt);
+    SolvedState solved = solve_from(other, single, options);
+    if (!is_better(single, solved, best, options)) continue;
+    best = std::move(solved);
+    priors_of_best = single.lens_priors;
   }
-  single.lens_priors = best.lens_priors;
+  single.lens_priors = std::move(priors_of_best);
   return best;
 }
 
@@ -88,9 +89,11 @@ void solve_camera_alone(const CalibrationProblem& problem, int camera, const Cal
   Subproblem single = select_cameras(problem, {camera});
   const CameraStart start = start_of(single.problem, stages);
   const Stopwatch stopwatch(stages, "solve");
-  auto [state, lens_priors, reasons, solved] = solve_from_best(start, single.problem, options);
-  win_back_views(single.problem, state, options, reasons, solved);
-  CameraOptimum optimum = leave_local_optima(single.problem, state, options, reasons, solved);
+  SolvedState solved = solve_from_best(start, single.problem, options);
+  win_back_views(single.problem, options, solved);
+  settle_lens_priors(single.problem, options, solved);
+  auto& [state, reasons, summary] = solved;
+  CameraOptimum optimum = leave_local_optima(single.problem, state, options, reasons, summary);
   alone.given_up[camera] = keep_lens_beyond_corners(single.problem, state, options, reasons, optimum);
   alone.summaries[camera] = optimum.summary;
   std::ranges::copy(single.problem.lens_priors, std::back_inserter(alone.lens_priors));

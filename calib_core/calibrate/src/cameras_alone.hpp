@@ -26,7 +26,8 @@ struct CamerasAlone {
 };
 
 /// Calibrates every camera alone: start without a focal guess, robust solve, a second chance for the views that did not
-/// fit, least squares without the outliers. A camera that cannot be calibrated costs only itself.
+/// fit, least squares without the outliers; of several starts the one that all corners fit best; then other optima and
+/// the views that were lost. A camera that cannot be calibrated costs only itself.
 ///
 /// @param stages  the times of `start` and `solve` are added
 /// @throws Error when the only camera cannot be calibrated

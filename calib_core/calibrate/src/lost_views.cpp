@@ -15,25 +15,28 @@ namespace {
 
 constexpr int kFirstShapeParameter = 4;  // after fx, fy, cx and cy
 constexpr double kPlainlyPosed = 0.7;    // of a view's corners fit where its pose is right
-constexpr double kFitPx = 30.0;          // a right corner fits the simpler lens within this
+constexpr double kFitOfWidth = 0.025;    // of the image: a right corner fits the simpler lens within this
 
-// The state's lens with the first coefficient of its shape only.
-Camera simpler_lens(const CalibrationProblem& single, const BundleState& state) {
-  const CameraCorners corners = used_corners(single, state, 0);
-  const Camera& lens = state.cameras[0];
-  std::vector<int> zeros;
-  for (int k = kFirstShapeParameter + 1; k < static_cast<int>(lens.parameters.size()); ++k) zeros.push_back(k);
-  return fitted_anew(lens, corners.rays, corners.pixels, zeros);
+// Parameters of a lens's shape, but for the first, that an ordinary lens has at zero.
+std::vector<int> higher_coefficients(ModelId model) {
+  return with_model(model, []<CameraModel M>() {
+    std::vector<int> higher;
+    for (int k = 1; k < kShapeSize<M>; ++k) {
+      if (M::kStartShape[static_cast<std::size_t>(k)] == 0.0) higher.push_back(kFirstShapeParameter + k);
+    }
+    return higher;
+  });
 }
 
 // Gives views without a pose one under a lens; whether there are such views.
 bool pose_lost_views(const CalibrationProblem& single, const Camera& lens, BundleState& state) {
+  const double fit_px = kFitOfWidth * std::max(lens.size.width, lens.size.height);
   bool posed = false;
   for (std::size_t v = 0; v < single.views.size(); ++v) {
     if (state.pose_of_view[v] >= 0) continue;
     const TargetView& view = single.views[v];
     std::string reason;
-    const auto camera_from_target = initialize_view(single, view, lens, reason, kFitPx);
+    const auto camera_from_target = initialize_view(single, view, lens, reason, fit_px);
     if (!camera_from_target) continue;
     state.pose_of_view[v] = static_cast<int>(state.poses.size());
     state.poses.push_back({view.frame, view.target, *camera_from_target});
@@ -55,36 +58,31 @@ bool take_doubtful_poses(BundleState& state) {
   return taken;
 }
 
-// Solves on from another place, and goes there if all corners fit better.
-void move_if_better(const CalibrationProblem& single, BundleState other, const CalibrateOptions& options,
-                    BundleState& state, std::vector<std::string>& reasons, BundleSummary& summary) {
-  std::vector<std::string> other_reasons = reasons;
-  mark_projectable(single, other);
-  solve_robustly(single, other, options);
-  const BundleSummary solved = solve_without_outliers(single, other, options, false, other_reasons);
-  if (solved.termination == Termination::kFailed || !fits_better(single, other, state, options)) return;
-  state = std::move(other);
-  reasons = std::move(other_reasons);
-  summary = solved;
+// Solves on from another place, and goes there if that is better.
+void move_if_better(const CalibrationProblem& single, SolvedState other, const CalibrateOptions& options,
+                    SolvedState& solved) {
+  mark_projectable(single, other.state);
+  solve_robustly(single, other.state, options);
+  other.summary = solve_without_outliers(single, other.state, options, false, other.reasons);
+  if (is_better(single, other, solved, options)) solved = std::move(other);
 }
 
 }  // namespace
 
-void win_back_views(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
-                    std::vector<std::string>& reasons, BundleSummary& summary) {
-  if (summary.termination == Termination::kFailed) return;
-  BundleState other = state;
-  if (take_doubtful_poses(other)) {
-    std::vector<std::string> other_reasons = reasons;
-    give_second_chance(single, other, options, other_reasons);
-    move_if_better(single, std::move(other), options, state, reasons, summary);
+void win_back_views(const CalibrationProblem& single, const CalibrateOptions& options, SolvedState& solved) {
+  if (solved.summary.termination == Termination::kFailed) return;
+  SolvedState other = solved;
+  if (take_doubtful_poses(other.state) && give_second_chance(single, other.state, options, other.reasons)) {
+    move_if_better(single, std::move(other), options, solved);
   }
-  if (std::ranges::none_of(state.pose_of_view, [](int pose) { return pose < 0; })) return;
-  other = state;
-  other.cameras[0] = simpler_lens(single, state);
-  if (pose_lost_views(single, other.cameras[0], other)) {
-    move_if_better(single, std::move(other), options, state, reasons, summary);
-  }
+  const bool lost = std::ranges::any_of(solved.state.pose_of_view, [](int pose) { return pose < 0; });
+  const std::vector<int> higher = higher_coefficients(solved.state.cameras[0].model);
+  if (!lost || higher.empty()) return;
+  other = solved;
+  const CameraCorners corners = used_corners(single, solved.state, 0);
+  Camera& lens = other.state.cameras[0];
+  lens = fitted_anew(lens, corners.rays, corners.pixels, higher);
+  if (pose_lost_views(single, lens, other.state)) move_if_better(single, std::move(other), options, solved);
 }
 
 }  // namespace raybundle

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "raybundle/calibrate/lens_domain.hpp"
 #include "raybundle/geometry/quantile.hpp"
 #include "raybundle/initialize/camera_start.hpp"
 
@@ -148,10 +149,13 @@ std::vector<double> robust_sigmas(const CalibrationProblem& problem, const Bundl
   return sigmas_of(problem, state, whitened_distances(problem, state));
 }
 
-bool fits_better(const CalibrationProblem& single, const BundleState& state, const BundleState& other,
-                 const CalibrateOptions& options) {
-  const Distances here = whitened_distances(single, state), there = whitened_distances(single, other);
-  const double sigma = std::min(sigmas_of(single, state, here)[0], sigmas_of(single, other, there)[0]);
+bool is_better(const CalibrationProblem& single, const SolvedState& after, const SolvedState& before,
+               const CalibrateOptions& options) {
+  if (after.summary.termination == Termination::kFailed) return false;
+  if (before.summary.termination == Termination::kFailed) return true;
+  if (spoils_lens(single, before.state, after.state)) return false;
+  const Distances here = whitened_distances(single, after.state), there = whitened_distances(single, before.state);
+  const double sigma = std::min(sigmas_of(single, after.state, here)[0], sigmas_of(single, before.state, there)[0]);
   const auto cost = [limit = options.outlier_sigma * sigma](const Distances& distances) {
     double sum = 0.0;
     for (const std::vector<double>& of_view : distances) {

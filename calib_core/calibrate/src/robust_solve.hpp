@@ -15,10 +15,18 @@ namespace raybundle {
 /// the poses fit a part of the noise, of views with few corners most of it. Infinite for a camera without used views.
 std::vector<double> robust_sigmas(const CalibrationProblem& problem, const BundleState& state);
 
-/// Whether the corners of a single camera fit one state better than another: those beyond the limit of outliers, under
-/// the smaller noise of both, count as if they were there.
-bool fits_better(const CalibrationProblem& single, const BundleState& state, const BundleState& other,
-                 const CalibrateOptions& options);
+/// A state, and the solve that led to it.
+struct SolvedState {
+  BundleState state;
+  std::vector<std::string> reasons;  ///< aligned with problem.views; why one has no pose
+  BundleSummary summary;
+};
+
+/// Whether a state of a single camera is better than the one before: all its corners fit better, those beyond the limit
+/// of outliers, under the smaller noise of both, counted as if they were there. Never one that did not solve or ends
+/// among its corners, unless the one before does.
+bool is_better(const CalibrationProblem& single, const SolvedState& after, const SolvedState& before,
+               const CalibrateOptions& options);
 
 /// The outlier rule in words, as the report prints it.
 std::string outlier_rule(const CalibrateOptions& options);

@@ -166,23 +166,36 @@ LensGuess lens_in_model(ModelId model, ImageSize size, const std::vector<PointsI
   return guess;
 }
 
-/// What the views make of several start lenses in the model asked for: those that differ and are nearly as good as the
-/// best, which comes first.
+/// Pixels for each radian at the middle of a lens: what fx is to a rectilinear one. 0 where it does not project.
+double focal_on_axis_px(const LensFunctions& lens, const LensVector& parameters) {
+  constexpr double kOff = 1e-3;
+  Eigen::Vector2d left, right;
+  if (!lens.project(parameters.data(), Eigen::Vector3d(-kOff, 0, 1), left)) return 0.0;
+  if (!lens.project(parameters.data(), Eigen::Vector3d(kOff, 0, 1), right)) return 0.0;
+  return (right - left).norm() / (2.0 * kOff);
+}
+
+/// What the views make of several start lenses, the best first, in the model asked for: those that differ and are
+/// nearly as good as the best, which comes first.
 std::vector<LensGuess> lenses_in_model(const ProblemCamera& camera, const std::vector<PointsInView>& chosen,
                                        const std::vector<LensGuess>& starts) {
   std::vector<LensGuess> lenses;
-  std::string first_reason;
+  const std::string reason = reason_against_lens(chosen, camera.size, starts.front());
   for (const LensGuess& start : starts) {
-    const std::string reason = reason_against_lens(chosen, camera.size, start);
-    if (first_reason.empty()) first_reason = reason;
-    if (reason.empty()) lenses.push_back(lens_in_model(camera.model, camera.size, chosen, start));
+    // Where the best leaves the lens open, one that fits plainly worse does not close it.
+    if (!reason.empty() && start.score_px > kNearlyAsGood * starts.front().score_px) continue;
+    if (!reason_against_lens(chosen, camera.size, start).empty()) continue;
+    lenses.push_back(lens_in_model(camera.model, camera.size, chosen, start));
   }
-  if (lenses.empty()) throw Error(ErrorKind::kNotEnoughData, first_reason, "camera " + camera.name);
+  if (lenses.empty()) throw Error(ErrorKind::kNotEnoughData, reason, "camera " + camera.name);
   std::ranges::stable_sort(lenses, {}, &LensGuess::score_px);
+  const LensFunctions functions = lens_functions(camera.model);
   std::vector<LensGuess> kept;
   for (const LensGuess& lens : lenses) {
+    const double focal = focal_on_axis_px(functions, lens.parameters);
     const bool known = std::ranges::any_of(kept, [&](const LensGuess& other) {
-      return std::abs(std::log(lens.parameters[0] / other.parameters[0])) < kOtherFocal;
+      const double of_other = focal_on_axis_px(functions, other.parameters);
+      return std::abs(focal - of_other) <= kOtherFocal * std::max(focal, of_other);
     });
     if (!known && lens.score_px <= kNearlyAsGood * lenses.front().score_px) kept.push_back(lens);
   }
@@ -235,8 +248,7 @@ PosedViews posed_views(ModelId model, const LensVector& parameters, const Camera
     if (views.usable[i] && !(pose && pose->fits())) {
       pose = ransac_view_pose(lens, parameters.data(), views.corners[i], posed.threshold_px);
     }
-    posed.reasons.push_back(pose && pose->fits() ? std::string()
-                                                 : reason_against(pose, views.corners[i], posed.threshold_px));
+    posed.reasons.push_back(reason_against(pose, views.corners[i], posed.threshold_px));
   }
   return posed;
 }
@@ -258,8 +270,8 @@ std::vector<PosedViews> find_lenses(const ProblemCamera& camera, const CameraVie
   for (const std::size_t v : spread_views(views, kSearchViews)) chosen.push_back(screened(views[v], kSearchCorners));
 
   std::optional<PosedViews> quick;
-  // A quick answer counts only where it can be tested: on views that it was not found with, which it fits plainly. Nor
-  // where several lenses may fit: of boards that are far away or held alike.
+  // A quick answer counts only where it can be tested, on views that it was not found with, which it fits plainly, and
+  // not where several lenses may fit: of boards that are far away or held alike.
   const auto first = views.size() > chosen.size() ? search_lens_quickly(chosen, camera.size) : std::nullopt;
   if (first && !held_alike(first->poses) && focal_uncertainty(chosen, camera.size, *first) < kPlainFocal) {
     const LensGuess in_model = lens_in_model(camera.model, camera.size, chosen, *first);
@@ -276,7 +288,7 @@ std::vector<PosedViews> find_lenses(const ProblemCamera& camera, const CameraVie
   for (const LensGuess& lens : lenses_in_model(camera, chosen, search_lenses(chosen, camera.size))) {
     found.push_back(posed_views(camera.model, lens_on_more(camera.model, camera.size, views, lens), all));
   }
-  if (quick && quick->posed() > found.front().posed()) found.front() = *quick;
+  if (quick && quick->posed() > found.front().posed()) found.insert(found.begin(), *quick);
   return found;
 }
 
@@ -302,16 +314,10 @@ CameraStart initialize_camera(const CalibrationProblem& problem, int camera) {
   if (wanted.parameters) {
     return start_of(problem, wanted, views, posed_views(wanted.model, *wanted.parameters, views));
   }
-  std::optional<CameraStart> best;
-  for (const PosedViews& posed : find_lenses(wanted, views)) {
-    CameraStart start = start_of(problem, wanted, views, posed);
-    if (best) {
-      best->others.push_back(std::move(start));
-    } else {
-      best = std::move(start);
-    }
-  }
-  return *best;
+  const std::vector<PosedViews> found = find_lenses(wanted, views);
+  CameraStart best = start_of(problem, wanted, views, found.front());
+  for (std::size_t i = 1; i < found.size(); ++i) best.others.push_back(start_of(problem, wanted, views, found[i]));
+  return best;
 }
 
 std::optional<Rigid3> initialize_view(const CalibrationProblem& problem, const TargetView& view, const Camera& camera,

@@ -105,6 +105,7 @@ std::optional<MirroredPose> find_mirrored_pose(const Camera& camera, std::span<c
   LensBundleOptions options;
   options.lens_fixed = true;
   options.scale_px = kNoneWrongPx;
+  const double squares_here = squares(view, camera_from_target);
   std::optional<MirroredPose> best;
   for (const Rigid3& start : other_poses(camera_from_target, frame)) {
     std::vector<Rigid3> pose{start};
@@ -114,7 +115,7 @@ std::optional<MirroredPose> find_mirrored_pose(const Camera& camera, std::span<c
     options.max_iterations = 20;
     refine_lens(lens, {view}, options, parameters, pose);
     if (pose[0].rotation.angularDistance(camera_from_target.rotation) < kSameRad) continue;
-    const double ratio = squares(view, pose[0]) / squares(view, camera_from_target);
+    const double ratio = squares(view, pose[0]) / squares_here;
     if (ratio < (best ? best->squares_ratio : kLargestRatio)) best = {pose[0], ratio};
   }
   return best;

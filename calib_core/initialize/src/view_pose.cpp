@@ -156,10 +156,10 @@ std::optional<ViewPose> view_pose(const LensFunctions& lens, const double* param
 }
 
 std::string reason_against(const std::optional<ViewPose>& pose, const PointsInView& view, double threshold_px) {
+  if (pose && pose->fits()) return {};
   const std::string corners = std::to_string(view.points.size());
   if (view.points.size() < 4) return "only " + corners + " corners were seen; a pose needs four";
   if (principal_frame(view.points).collinear()) return "its " + corners + " corners lie on one line";
-  if (pose && pose->fits()) return {};
   std::string reason = "only " + std::to_string(pose ? pose->fitting : 0) + " of " + corners + " corners fit within " +
                        text("%.1f px", threshold_px);
   if (pose && std::isfinite(pose->median_px)) reason += " (median " + text("%.1f px", pose->median_px) + ")";

@@ -21,7 +21,7 @@ namespace raybundle {
 ///
 /// Noise and field are rounded, so that a solve from elsewhere weighs alike.
 ///
-/// @param problem  its lens_priors are replaced
+/// @param problem  its lens_priors are replaced; a camera whose corners show no noise or no field has none
 /// @return         whether they changed
 bool weigh_lens_priors(CalibrationProblem& problem, const BundleState& state);
 

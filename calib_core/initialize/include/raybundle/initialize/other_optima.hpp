@@ -35,7 +35,7 @@ Camera fitted_anew(const Camera& camera, const std::vector<Eigen::Vector3d>& ray
 ///
 /// @param alike_px      root mean square distance of the projections, a common turn removed, up to which the way goes
 /// on
-/// @param of_each_side  at most so many, spread over the way
+/// @param of_each_side  at most so many, the last ones: steps grow, and the first lead back
 std::vector<Camera> cameras_along_valley(const Camera& camera, const std::vector<Eigen::Vector3d>& rays_in_camera,
                                          double alike_px, std::size_t of_each_side);
 
@@ -45,7 +45,8 @@ struct MirroredPose {
   double squares_ratio = 0.0;  ///< squared distances over those of the given pose; below 1 it fits better
 };
 
-/// Small or far boards have a mirrored pose, and a solve that starts there stays there.
+/// Small or far boards have a mirrored pose, narrow ones one that is turned about their length, and a solve that starts
+/// there stays there. Of those the one that fits best.
 ///
 /// @param points_in_target  N [m]
 /// @param pixels            N, same order, without wrong ones
