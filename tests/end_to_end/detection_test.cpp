@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
+#include "detect_images.hpp"
 #include "program.hpp"
+#include "raybundle/geometry/error.hpp"
 
 namespace raybundle::testing {
 namespace {
@@ -114,6 +116,20 @@ TEST(DetectsNothing, OfTheOtherCharucoLayoutAndNamesTheSetting) {
     EXPECT_EQ(run.exit_code, 3);
     EXPECT_THAT(run.err, HasSubstr(legacy ? "legacy = true" : "legacy = false"));
   }
+}
+
+// In the reflection of a larger board, the one asked for may be found in a few images of many.
+TEST(RequireViews, ABoardThatIsFoundNowAndThenBesideAnotherIsAMisreading) {
+  apps::DetectedImages images;
+  images.observations.problem.views.resize(3);
+  images.unused.resize(6);
+  EXPECT_NO_THROW(require_views(images));
+  images.seen_sizes["9x6"] = 2;
+  EXPECT_THROW(require_views(images), Error);
+  images.unused.resize(2);  // most images show the board that was asked for
+  EXPECT_NO_THROW(require_views(images));
+  images.seen_sizes["9x6"] = 3;
+  EXPECT_THROW(require_views(images), Error);
 }
 
 }  // namespace

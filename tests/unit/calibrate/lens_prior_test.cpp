@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "raybundle/bundle/parameters.hpp"
@@ -62,6 +63,16 @@ TEST(LensPrior, IsWeighedByNoiseAndField) {
   EXPECT_LT(k1.sigma, 2.0 / noise * octaves);
   EXPECT_GT(k6.sigma, k1.sigma);
   EXPECT_EQ(parameter_named(problem, camera + "p1").kind, ParameterRule::Kind::kFree);
+}
+
+TEST(LensPrior, NeedsViews) {
+  const testing::SyntheticWorld world = world_of(0.3);
+  CalibrationProblem problem = world.problem;
+  BundleState state = true_state(world);
+  ASSERT_TRUE(weigh_lens_priors(problem, state));
+  std::ranges::fill(state.pose_of_view, -1);
+  EXPECT_TRUE(weigh_lens_priors(problem, state));
+  EXPECT_TRUE(problem.lens_priors.empty()) << "of no noise and no field";
 }
 
 TEST(LensPrior, GivesWayToAnyRule) {

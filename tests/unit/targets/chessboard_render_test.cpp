@@ -136,7 +136,9 @@ TEST(ChessboardRender, PartialBoardIsPlacedByItsMarginOrNotAtAll) {
 
   const int first = static_cast<int>(truth[1 + 2 * 9]->x());
   const cv::Mat middle = image(cv::Rect(first, 0, cut - first, image.rows)).clone();  // both margins are out of sight
-  EXPECT_TRUE(detect_chessboard(middle, kBoard).observations.empty());
+  const Detection unplaced = detect_chessboard(middle, kBoard);
+  EXPECT_TRUE(unplaced.observations.empty());
+  EXPECT_TRUE(unplaced.seen_size.empty()) << "part of the board is no other board";
 }
 
 /// A view of a larger print, asked for as kBoard.
