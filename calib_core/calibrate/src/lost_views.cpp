@@ -13,16 +13,15 @@
 namespace raybundle {
 namespace {
 
-constexpr int kFirstShapeParameter = 4;  // after fx, fy, cx and cy
-constexpr double kPlainlyPosed = 0.7;    // of a view's corners fit where its pose is right
-constexpr double kFitOfWidth = 0.025;    // of the image: a right corner fits the simpler lens within this
+constexpr double kPlainlyPosed = 0.7;  // of a view's corners fit where its pose is right
+constexpr double kFitOfWidth = 0.025;  // of the image: a right corner fits the simpler lens within this
 
 // Parameters of a lens's shape, but for the first, that an ordinary lens has at zero.
 std::vector<int> higher_coefficients(ModelId model) {
   return with_model(model, []<CameraModel M>() {
     std::vector<int> higher;
     for (int k = 1; k < kShapeSize<M>; ++k) {
-      if (M::kStartShape[static_cast<std::size_t>(k)] == 0.0) higher.push_back(kFirstShapeParameter + k);
+      if (M::kStartShape[static_cast<std::size_t>(k)] == 0.0) higher.push_back(kParameterCount<M> - kShapeSize<M> + k);
     }
     return higher;
   });
@@ -45,17 +44,15 @@ bool pose_lost_views(const CalibrationProblem& single, const Camera& lens, Bundl
   return posed;
 }
 
-// Takes their poses from views of which many corners do not fit; whether there are such views.
-bool take_doubtful_poses(BundleState& state) {
-  bool taken = false;
+// Views with a pose that many of their corners do not fit.
+std::vector<std::size_t> doubtful_views(const BundleState& state) {
+  std::vector<std::size_t> doubtful;
   for (std::size_t v = 0; v < state.pose_of_view.size(); ++v) {
+    if (state.pose_of_view[v] < 0) continue;
     const auto used = static_cast<double>(std::ranges::count(state.fates[v], ObservationFate::kUsed));
-    if (state.pose_of_view[v] < 0 || used >= kPlainlyPosed * static_cast<double>(state.fates[v].size())) continue;
-    state.pose_of_view[v] = -1;
-    std::ranges::fill(state.fates[v], ObservationFate::kViewSetAside);
-    taken = true;
+    if (used < kPlainlyPosed * static_cast<double>(state.fates[v].size())) doubtful.push_back(v);
   }
-  return taken;
+  return doubtful;
 }
 
 // Solves on from another place, and goes there if that is better.
@@ -71,14 +68,19 @@ void move_if_better(const CalibrationProblem& single, SolvedState other, const C
 
 void win_back_views(const CalibrationProblem& single, const CalibrateOptions& options, SolvedState& solved) {
   if (solved.summary.termination == Termination::kFailed) return;
-  SolvedState other = solved;
-  if (take_doubtful_poses(other.state) && give_second_chance(single, other.state, options, other.reasons)) {
-    move_if_better(single, std::move(other), options, solved);
+  if (const std::vector<std::size_t> doubtful = doubtful_views(solved.state); !doubtful.empty()) {
+    SolvedState other = solved;
+    for (const std::size_t v : doubtful) {
+      other.state.pose_of_view[v] = -1;
+      std::ranges::fill(other.state.fates[v], ObservationFate::kViewSetAside);
+    }
+    const bool posed = give_second_chance(single, other.state, options, other.reasons);
+    if (posed) move_if_better(single, std::move(other), options, solved);
   }
   const bool lost = std::ranges::any_of(solved.state.pose_of_view, [](int pose) { return pose < 0; });
   const std::vector<int> higher = higher_coefficients(solved.state.cameras[0].model);
   if (!lost || higher.empty()) return;
-  other = solved;
+  SolvedState other = solved;
   const CameraCorners corners = used_corners(single, solved.state, 0);
   Camera& lens = other.state.cameras[0];
   lens = fitted_anew(lens, corners.rays, corners.pixels, higher);

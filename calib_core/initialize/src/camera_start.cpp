@@ -180,14 +180,15 @@ double focal_on_axis_px(const LensFunctions& lens, const LensVector& parameters)
 std::vector<LensGuess> lenses_in_model(const ProblemCamera& camera, const std::vector<PointsInView>& chosen,
                                        const std::vector<LensGuess>& starts) {
   std::vector<LensGuess> lenses;
-  const std::string reason = reason_against_lens(chosen, camera.size, starts.front());
+  std::string best_open;  // why the best start leaves the lens open
   for (const LensGuess& start : starts) {
-    // Where the best leaves the lens open, one that fits plainly worse does not close it.
-    if (!reason.empty() && start.score_px > kNearlyAsGood * starts.front().score_px) continue;
-    if (!reason_against_lens(chosen, camera.size, start).empty()) continue;
-    lenses.push_back(lens_in_model(camera.model, camera.size, chosen, start));
+    // Where it does, one that fits plainly worse does not close it.
+    if (!best_open.empty() && start.score_px > kNearlyAsGood * starts.front().score_px) break;
+    const std::string reason = reason_against_lens(chosen, camera.size, start);
+    if (reason.empty()) lenses.push_back(lens_in_model(camera.model, camera.size, chosen, start));
+    if (&start == &starts.front()) best_open = reason;
   }
-  if (lenses.empty()) throw Error(ErrorKind::kNotEnoughData, reason, "camera " + camera.name);
+  if (lenses.empty()) throw Error(ErrorKind::kNotEnoughData, best_open, "camera " + camera.name);
   std::ranges::stable_sort(lenses, {}, &LensGuess::score_px);
   const LensFunctions functions = lens_functions(camera.model);
   std::vector<LensGuess> kept;
