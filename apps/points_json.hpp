@@ -5,13 +5,14 @@
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <string_view>
 
 namespace raybundle::apps {
 
 /// A kind of file that `reconstruct` writes.
 struct PointsFormat {
-  const char* name;    ///< the file's `format`
-  const char* sensor;  ///< as `reconstruct` and `occupancy learn --sensor` call it
+  std::string_view name;    ///< the file's `format`
+  std::string_view sensor;  ///< as `reconstruct` and `occupancy learn --sensor` call it
 };
 inline constexpr PointsFormat kLaserPoints{"raybundle laser points", "structured-light"};
 inline constexpr PointsFormat kStereoPoints{"raybundle stereo points", "stereo"};
