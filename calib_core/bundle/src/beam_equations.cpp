@@ -7,7 +7,7 @@
 #include <atomic>
 #include <map>
 
-#include "gram.hpp"
+#include "raybundle/geometry/gram.hpp"
 #include "normal_equations.hpp"
 
 namespace raybundle {

@@ -5,7 +5,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 
-#include "gram.hpp"
+#include "raybundle/geometry/gram.hpp"
 #include "raybundle/geometry/target_clones.hpp"
 #include "view_rows.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "lanes.hpp"
+#include "raybundle/camera/lanes.hpp"
 #include "raybundle/geometry/target_clones.hpp"
 
 namespace raybundle {

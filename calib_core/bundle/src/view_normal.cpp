@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "view_normal.hpp"
 
-#include "gram.hpp"
+#include "raybundle/geometry/gram.hpp"
 #include "view_rows.hpp"
 
 namespace raybundle {

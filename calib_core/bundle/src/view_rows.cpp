@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "lanes.hpp"
+#include "raybundle/camera/lanes.hpp"
 #include "raybundle/geometry/rotation.hpp"
 #include "raybundle/geometry/target_clones.hpp"
 

@@ -3,6 +3,7 @@
 #include "raybundle/geometry/rotation.hpp"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <Eigen/SVD>
 
 namespace raybundle {
@@ -25,6 +26,16 @@ Eigen::Vector3d vector_from_rotation(const Eigen::Matrix3d& rotation) {
 }
 
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix) {
+  // Newton's iteration for the orthogonal factor, which doubles its digits in every step from a matrix that is nearly
+  // one. Source: Higham, "Computing the polar decomposition - with applications", SIAM J. Sci. Stat. Comput. 1986.
+  constexpr int kSteps = 6;
+  Eigen::Matrix3d rotation = matrix;
+  for (int step = 0; step < kSteps && rotation.determinant() > 0.1; ++step) {
+    const Eigen::Matrix3d next = 0.5 * (rotation + rotation.inverse().transpose());
+    const double change = (next - rotation).squaredNorm();
+    rotation = next;
+    if (change < 1e-18) return rotation;  // the next step would change less than a rounding error
+  }
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Vector3d signs(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
   return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "lens_search.hpp"
 #include "linear_pose.hpp"
 #include "model_fit.hpp"
 #include "parallel_boards.hpp"
 #include "raybundle/geometry/error.hpp"
-#include "start_lens.hpp"
 #include "view_pose.hpp"
 #include "view_screen.hpp"
 
@@ -31,29 +31,44 @@ constexpr double kAlikeRad = 0.1;         ///< boards whose normals are within t
 constexpr double kPlainFocal = 0.005;     ///< relative uncertainty of a lens that no other one is like
 constexpr double kMaxFocalUncertainty = 0.2;  ///< relative; what is left to chance beyond this is not a start
 
-/// The views of a camera with their corners.
+bool usable(const PointsInView& view) { return view.points.size() >= 4 && !principal_frame(view.points).collinear(); }
+
+/// The views of a camera with their corners, those that a pose can be found for first.
 struct CameraViews {
   std::vector<int> index;  ///< into problem.views
   std::vector<PointsInView> corners;
-  std::vector<bool> usable;  ///< for a pose
-};
+  std::size_t usable_views = 0;
 
-bool usable(const PointsInView& view) { return view.points.size() >= 4 && !principal_frame(view.points).collinear(); }
+  std::span<const PointsInView> usable() const { return std::span(corners).first(usable_views); }
+};
 
 CameraViews views_of(const CalibrationProblem& problem, int camera) {
   CameraViews views;
-  for (std::size_t v = 0; v < problem.views.size(); ++v) {
+  std::vector<int> unusable;
+  const auto add = [&](int v, PointsInView corners) {
+    views.index.push_back(v);
+    views.corners.push_back(std::move(corners));
+  };
+  const auto corners_of = [&](int v) {
+    return points_in_view(problem.targets[problem.views[v].target], problem.views[v]);
+  };
+  for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
     if (problem.views[v].camera != camera) continue;
-    views.index.push_back(static_cast<int>(v));
-    views.corners.push_back(points_in_view(problem.targets[problem.views[v].target], problem.views[v]));
-    views.usable.push_back(usable(views.corners.back()));
+    PointsInView corners = corners_of(v);
+    if (usable(corners)) {
+      add(v, std::move(corners));
+    } else {
+      unusable.push_back(v);
+    }
   }
+  views.usable_views = views.corners.size();
+  for (const int v : unusable) add(v, corners_of(v));
   return views;
 }
 
 /// Rays of the corners that the start lens explains, and where it puts them.
 PointsInView covered_field(const std::vector<PointsInView>& views, const LensGuess& guess) {
-  const LensFunctions lens = lens_functions<StartLens>();
+  const LensFunctions& lens = start_lens_functions();
   PointsInView samples;
   std::vector<double> distances;
   for (std::size_t v = 0; v < views.size(); ++v) {
@@ -113,7 +128,7 @@ void polish(ModelId model, ImageSize size, const std::vector<PointsInView>& view
   }
 }
 
-std::vector<PointsInView> selection(const std::vector<PointsInView>& views, std::size_t count, std::size_t corners) {
+std::vector<PointsInView> selection(std::span<const PointsInView> views, std::size_t count, std::size_t corners) {
   std::vector<PointsInView> selected;
   for (const std::size_t v : spread_views(views, count)) selected.push_back(thinned(views[v], corners));
   return selected;
@@ -205,7 +220,7 @@ std::vector<LensGuess> lenses_in_model(const ProblemCamera& camera, const std::v
 }
 
 /// A lens on more views, those that fit it.
-LensVector lens_on_more(ModelId model, ImageSize size, const std::vector<PointsInView>& views, const LensGuess& guess) {
+LensVector lens_on_more(ModelId model, ImageSize size, std::span<const PointsInView> views, const LensGuess& guess) {
   const LensFunctions lens = lens_functions(model);
   const double threshold = std::clamp(5.0 * guess.score_px, kFitPx, 50.0);
   LensGuess last;
@@ -239,14 +254,14 @@ PosedViews posed_views(ModelId model, const LensVector& parameters, const Camera
   PosedViews posed;
   posed.lens = parameters;
   for (std::size_t i = 0; i < views.corners.size(); ++i) {
-    posed.poses.push_back(views.usable[i] ? view_pose(lens, parameters.data(), views.corners[i], 2 * kFitPx)
-                                          : std::nullopt);
+    posed.poses.push_back(i < views.usable_views ? view_pose(lens, parameters.data(), views.corners[i], 2 * kFitPx)
+                                                 : std::nullopt);
   }
   posed.threshold_px = fit_threshold(posed.poses);
   for (std::size_t i = 0; i < views.corners.size(); ++i) {
     std::optional<ViewPose>& pose = posed.poses[i];
     if (pose) judge(*pose, posed.threshold_px);
-    if (views.usable[i] && !(pose && pose->fits())) {
+    if (i < views.usable_views && !(pose && pose->fits())) {
       pose = ransac_view_pose(lens, parameters.data(), views.corners[i], posed.threshold_px);
     }
     posed.reasons.push_back(reason_against(pose, views.corners[i], posed.threshold_px));
@@ -256,10 +271,7 @@ PosedViews posed_views(ModelId model, const LensVector& parameters, const Camera
 
 /// Lens and poses from the views alone, in the model asked for; of lenses that are nearly as good, the best first.
 std::vector<PosedViews> find_lenses(const ProblemCamera& camera, const CameraViews& all) {
-  std::vector<PointsInView> views;
-  for (std::size_t i = 0; i < all.corners.size(); ++i) {
-    if (all.usable[i]) views.push_back(all.corners[i]);
-  }
+  const std::span<const PointsInView> views = all.usable();
   if (views.size() < 3) {
     throw Error(ErrorKind::kNotEnoughData,
                 "only " + std::to_string(views.size()) + " of " + std::to_string(all.corners.size()) +

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "raybundle/geometry/target_clones.hpp"
+#include "raybundle/geometry/gram.hpp"
 
 namespace raybundle {
 namespace {
@@ -26,108 +26,45 @@ struct ViewEquations {
 };
 
 double view_cost(const LensFunctions& lens, const double* parameters, const PointsInView& view, const Rigid3& pose,
-                 double scale2) {
-  const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
+                 double scale2, std::vector<double>& distances2) {
+  lens.squared_distances(parameters, view, pose, distances2);
   double cost = 0.0;
-  Eigen::Vector2d pixel;
-  for (std::size_t i = 0; i < view.points.size(); ++i) {
-    const Eigen::Vector3d x = rotation * view.points[i] + pose.translation;
-    if (!lens.project(parameters, x, pixel)) {
-      cost += scale2;
-      continue;
-    }
-    const double squared = (pixel - view.pixels[i]).squaredNorm();
+  for (const double squared : distances2)
     cost += std::isfinite(squared) ? scale2 * (squared / (scale2 + squared)) : scale2;
-  }
   return cost;
 }
 
 // Of the cost: an iteration that lowers it by less is the last one; one that promises less is not tried.
 constexpr double kLastDecrease = 1e-5, kNoDecrease = 1e-6;
 
-constexpr int kLanes = 4;
-constexpr int kMaxColumns = (kMaxLensParameters + 7 + kLanes - 1) / kLanes * kLanes;
-
-// Adds a corner's two weighted products to sums of `stride` numbers in a row; only the upper triangle is meant.
-RAYBUNDLE_TARGET_CLONES
-void add_products(int columns, int stride, double weight, const double* __restrict u, const double* __restrict v,
-                  double* __restrict sums) {
-  for (int a = 0; a < columns; ++a) {
-    const double weighted_u = weight * u[a];
-    const double weighted_v = weight * v[a];
-    double* row = sums + a * stride;
-    for (int b = a / kLanes * kLanes; b < stride; b += kLanes) {
-      for (int lane = 0; lane < kLanes; ++lane) row[b + lane] += weighted_u * u[b + lane] + weighted_v * v[b + lane];
-    }
-  }
-}
-
-/// Sums JᵀJ of rows [lens | pose | error]; plain arrays, because nothing here is large.
-class RowSums {
- public:
-  explicit RowSums(int columns) : columns_(columns), stride_((columns + kLanes - 1) / kLanes * kLanes) {
-    std::fill_n(sums_, columns_ * stride_, 0.0);
-  }
-
-  /// @param u  kMaxColumns numbers, zero beyond the columns
-  void add(double weight, const double* u, const double* v) { add_products(columns_, stride_, weight, u, v, sums_); }
-
-  double operator()(int a, int b) const { return sums_[std::min(a, b) * stride_ + std::max(a, b)]; }
-
- private:
-  int columns_;
-  int stride_;
-  double sums_[kMaxColumns * kMaxColumns];
-};
-
 void view_equations(const LensFunctions& lens, const double* parameters, const PointsInView& view, const Rigid3& pose,
-                    double scale2, const LensBundleOptions& options, ViewEquations& equations) {
-  const int n = lens.parameters;
-  const int of_lens = options.lens_fixed ? 0 : n;
-  const int of_pose = options.poses_fixed ? 0 : 6;
-  const int error_column = of_lens + of_pose;
-  RowSums sums(error_column + 1);
-  const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
-  Eigen::Vector2d pixel;
-  Eigen::Matrix<double, 2, 3, Eigen::RowMajor> wrt_ray;
-  double wrt_parameters[2 * kMaxLensParameters];
-  double rows[2][kMaxColumns] = {};
-  for (std::size_t i = 0; i < view.points.size(); ++i) {
-    const Eigen::Vector3d arm = rotation * view.points[i];
-    if (!lens.project_with_jacobians(parameters, arm + pose.translation, pixel, wrt_ray, wrt_parameters)) continue;
-    const Eigen::Vector2d error = pixel - view.pixels[i];
-    const double damping = scale2 / (scale2 + error.squaredNorm());
-    const double weight = damping * damping;
-    if (!(weight > 1e-12)) continue;
-    for (int axis = 0; axis < 2; ++axis) {
-      double* row = rows[axis];
-      std::copy_n(wrt_parameters + axis * n, of_lens, row);
-      if (of_pose > 0) {
-        const double* slope = wrt_ray.data() + 3 * axis;  // by the rotation: arm × slope
-        double* turn = row + of_lens;
-        turn[0] = arm[1] * slope[2] - arm[2] * slope[1];
-        turn[1] = arm[2] * slope[0] - arm[0] * slope[2];
-        turn[2] = arm[0] * slope[1] - arm[1] * slope[0];
-        std::copy_n(slope, 3, turn + 3);
-      }
-      row[error_column] = error[axis];
+                    const LensBundleOptions& options, ViewEquations& equations) {
+  thread_local LensRows rows;
+  thread_local Eigen::MatrixXd of_axis;
+  lens.linearise(parameters, view, pose, options.scale_px, rows);
+  const int n = lens.parameters, error = n + 6;
+  Eigen::Matrix<double, kMaxLensParameters + 7, kMaxLensParameters + 7> sums;
+  sums.topLeftCorner(n + 7, n + 7).setZero();
+  for (int axis = 0; axis < 2; ++axis) {
+    gram(rows.of_axis[axis], of_axis);
+    for (int b = 0; b < of_axis.cols(); ++b) {
+      for (int a = 0; a <= b; ++a) sums(LensRows::index(axis, a), LensRows::index(axis, b)) += of_axis(a, b);
     }
-    sums.add(weight, rows[0], rows[1]);
   }
   equations.lens.setZero(n, n);
   equations.lens_right.setZero(n);
   equations.cross.setZero(n, 6);
-  for (int a = 0; a < of_lens; ++a) {
-    for (int b = 0; b < of_lens; ++b) equations.lens(a, b) = sums(a, b);
-    for (int b = 0; b < of_pose; ++b) equations.cross(a, b) = sums(a, of_lens + b);
-    equations.lens_right[a] = -sums(a, error_column);
-  }
   equations.pose.setZero();
   equations.pose_right.setZero();
-  for (int a = 0; a < of_pose; ++a) {
-    for (int b = 0; b < of_pose; ++b) equations.pose(a, b) = sums(of_lens + a, of_lens + b);
-    equations.pose_right[a] = -sums(of_lens + a, error_column);
+  if (!options.lens_fixed) {
+    equations.lens = sums.topLeftCorner(n, n).selfadjointView<Eigen::Upper>();
+    equations.lens_right = -sums.col(error).head(n);
   }
+  if (!options.poses_fixed) {
+    equations.pose = sums.block<6, 6>(n, n).selfadjointView<Eigen::Upper>();
+    equations.pose_right = -sums.col(error).segment<6>(n);
+  }
+  if (!options.lens_fixed && !options.poses_fixed) equations.cross = sums.block(0, n, n, 6);
 }
 
 double prior_cost(const LensBundleOptions& options, const LensVector& parameters) {
@@ -233,17 +170,15 @@ LensMatrix reduced_information(const std::vector<ViewEquations>& equations, int 
 
 }  // namespace
 
-LensFunctions lens_functions(ModelId model) {
-  return with_model(model, []<CameraModel M>() { return lens_functions<M>(); });
-}
-
 LensBundleSummary refine_lens(const LensFunctions& lens, const std::vector<PointsInView>& views,
                               const LensBundleOptions& options, LensVector& parameters, std::vector<Rigid3>& poses) {
   const double scale2 = options.scale_px * options.scale_px;
+  std::vector<double> distances2;
   const auto total_cost = [&](const LensVector& p, const std::vector<Rigid3>& at) {
     if (!(p[0] > 0) || !(p[1] > 0)) return std::numeric_limits<double>::infinity();
     double cost = prior_cost(options, p);
-    for (std::size_t v = 0; v < views.size(); ++v) cost += view_cost(lens, p.data(), views[v], at[v], scale2);
+    for (std::size_t v = 0; v < views.size(); ++v)
+      cost += view_cost(lens, p.data(), views[v], at[v], scale2, distances2);
     return cost;
   };
 
@@ -252,7 +187,7 @@ LensBundleSummary refine_lens(const LensFunctions& lens, const std::vector<Point
   std::vector<ViewEquations> equations(views.size());
   const auto linearise = [&] {
     for (std::size_t v = 0; v < views.size(); ++v) {
-      view_equations(lens, parameters.data(), views[v], poses[v], scale2, options, equations[v]);
+      view_equations(lens, parameters.data(), views[v], poses[v], options, equations[v]);
     }
   };
   double lambda = 1e-4;
@@ -292,15 +227,8 @@ LensBundleSummary refine_lens(const LensFunctions& lens, const std::vector<Point
 
 void pixel_distances(const LensFunctions& lens, const double* parameters, const PointsInView& view, const Rigid3& pose,
                      std::vector<double>& distances_px) {
-  distances_px.resize(view.points.size());
-  const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
-  Eigen::Vector2d pixel;
-  for (std::size_t i = 0; i < view.points.size(); ++i) {
-    distances_px[i] = std::numeric_limits<double>::infinity();
-    if (!lens.project(parameters, rotation * view.points[i] + pose.translation, pixel)) continue;
-    const double distance = (pixel - view.pixels[i]).norm();
-    if (std::isfinite(distance)) distances_px[i] = distance;
-  }
+  lens.squared_distances(parameters, view, pose, distances_px);
+  for (double& distance : distances_px) distance = std::sqrt(distance);
 }
 
 }  // namespace raybundle

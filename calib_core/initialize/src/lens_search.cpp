@@ -25,11 +25,6 @@ constexpr std::size_t kMostAnswers = 12;    ///< lenses that fit and differ
 constexpr double kAsGood = 2.0;             ///< times the best score: the model asked for decides
 constexpr int kAlpha = 4;                   ///< index of StartLens's profile in the parameters
 
-const LensFunctions& start_lens() {
-  static const LensFunctions functions = lens_functions<StartLens>();
-  return functions;
-}
-
 double mean_of_best(std::vector<double>& values, double share) {
   const auto count = std::max<std::size_t>(1, static_cast<std::size_t>(share * static_cast<double>(values.size())));
   std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(count - 1));
@@ -62,12 +57,12 @@ Rigid3 quick_pose(const LensVector& lens, const PointsInView& view, const Princi
 LensGuess guess_with(double alpha, double focal, const Eigen::Vector2d& centre, const std::vector<PointsInView>& views,
                      const std::vector<PrincipalFrame>& frames, int iterations) {
   LensGuess guess;
-  guess.parameters.resize(start_lens().parameters);
+  guess.parameters.resize(start_lens_functions().parameters);
   guess.parameters << focal, focal, centre.x(), centre.y(), alpha, 0.0, 0.0;
   for (std::size_t v = 0; v < views.size(); ++v) {
     guess.poses.push_back(quick_pose(guess.parameters, views[v], frames[v], iterations));
   }
-  guess.score_px = robust_score(start_lens(), guess.parameters.data(), views, guess.poses);
+  guess.score_px = robust_score(start_lens_functions(), guess.parameters.data(), views, guess.poses);
   return guess;
 }
 
@@ -82,8 +77,8 @@ LensGuess posed_anew(const LensGuess& guess, const std::vector<PointsInView>& vi
 LensBundleOptions search_options(ImageSize size, double scale_px, bool bent) {
   LensBundleOptions options;
   options.scale_px = scale_px;
-  options.prior_mean.setZero(start_lens().parameters);
-  options.prior_weight.setZero(start_lens().parameters);
+  options.prior_mean.setZero(start_lens_functions().parameters);
+  options.prior_weight.setZero(start_lens_functions().parameters);
   const double centre_weight = 10.0 / size.width;
   options.prior_mean.segment<2>(2) << 0.5 * (size.width - 1), 0.5 * (size.height - 1);
   options.prior_weight.segment<2>(2).setConstant(centre_weight);
@@ -97,8 +92,8 @@ LensBundleOptions search_options(ImageSize size, double scale_px, bool bent) {
 void refine(const std::vector<PointsInView>& views, ImageSize size, bool bent, int iterations, LensGuess& guess) {
   LensBundleOptions options = search_options(size, std::max(1.5, 4.0 * guess.score_px), bent);
   options.max_iterations = iterations;
-  refine_lens(start_lens(), views, options, guess.parameters, guess.poses);
-  guess.score_px = robust_score(start_lens(), guess.parameters.data(), views, guess.poses);
+  refine_lens(start_lens_functions(), views, options, guess.parameters, guess.poses);
+  guess.score_px = robust_score(start_lens_functions(), guess.parameters.data(), views, guess.poses);
 }
 
 /// Keeps the best guesses that are not each other's neighbours in the sweep.
@@ -176,7 +171,7 @@ std::optional<LensGuess> search_lens_quickly(const std::vector<PointsInView>& vi
   }
   const std::vector<PrincipalFrame> few_frames = frames_of(few);
   const std::vector<PointsInView> fewest(few.begin(), few.begin() + std::min(kSweepViews, few.size()));
-  std::vector<LensGuess> guesses = sweep({0.0, 0.4, 0.65, 0.85}, 1.35, fewest, few_frames, size, 2);
+  std::vector<LensGuess> guesses = sweep({0.0, 0.4, 0.65, 0.85}, 1.5, fewest, few_frames, size, 2);
   guesses = best_and_different(std::move(guesses), 3);
   for (LensGuess& guess : guesses) {
     guess = posed_anew(guess, few, few_frames, 2);
@@ -205,13 +200,13 @@ double focal_uncertainty(const std::vector<PointsInView>& views, ImageSize size,
   options.with_information = true;
   LensVector parameters = guess.parameters;
   std::vector<Rigid3> poses = guess.poses;
-  LensMatrix information = refine_lens(start_lens(), views, options, parameters, poses).information;
+  LensMatrix information = refine_lens(start_lens_functions(), views, options, parameters, poses).information;
   const double sigma_px = std::max(guess.score_px, 0.05);
   information /= sigma_px * sigma_px;
   LensVector weight = options.prior_weight;
   information.diagonal() += weight.cwiseAbs2();
   // fx and fy move together: the relative size is their common scale.
-  const int n = start_lens().parameters;
+  const int n = start_lens_functions().parameters;
   LensMatrix reduced(n - 1, n - 1);
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxLensParameters, kMaxLensParameters> join =
       LensMatrix::Zero(n, n - 1);

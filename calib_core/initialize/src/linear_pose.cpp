@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
 #include "raybundle/geometry/rotation.hpp"
@@ -93,16 +94,49 @@ Eigen::Matrix3d triangle_axes(const Eigen::Vector3d& a, const Eigen::Vector3d& b
   return axes;
 }
 
+struct PlaneAxes {
+  Eigen::Matrix2d local_from_plane;  ///< rotation
+  Eigen::Vector2d spread;            ///< largest first
+};
+
+/// Eigenvectors and roots of the eigenvalues of a scatter matrix, in closed form.
+PlaneAxes principal_axes(const Eigen::Matrix2d& scatter) {
+  const double mean = 0.5 * scatter.trace(), difference = 0.5 * (scatter(0, 0) - scatter(1, 1));
+  const double radius = std::hypot(difference, scatter(0, 1));
+  const double angle = 0.5 * std::atan2(scatter(0, 1), difference);
+  const double largest = mean + radius;
+  const double smallest = largest > 0 ? scatter.determinant() / largest : 0.0;
+  PlaneAxes axes;
+  axes.local_from_plane << std::cos(angle), std::sin(angle), -std::sin(angle), std::cos(angle);
+  axes.spread << std::sqrt(std::max(largest, 0.0)), std::sqrt(std::max(smallest, 0.0));
+  return axes;
+}
+
 }  // namespace
 
 PrincipalFrame principal_frame(std::span<const Eigen::Vector3d> points_in_target) {
-  PrincipalFrame frame;
-  const double count = static_cast<double>(points_in_target.size());
-  for (const Eigen::Vector3d& point : points_in_target) frame.centre += point;
-  frame.centre /= count;
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  if (points_in_target.empty()) return {};
+  // Sums about the first point: near enough to the centre to lose nothing, and all points are read once only.
+  double sum[3] = {}, xx = 0.0, xy = 0.0, xz = 0.0, yy = 0.0, yz = 0.0, zz = 0.0;
   for (const Eigen::Vector3d& point : points_in_target) {
-    scatter += (point - frame.centre) * (point - frame.centre).transpose();
+    const double x = point[0] - points_in_target[0][0];
+    const double y = point[1] - points_in_target[0][1];
+    const double z = point[2] - points_in_target[0][2];
+    sum[0] += x, sum[1] += y, sum[2] += z;
+    xx += x * x, xy += x * y, xz += x * z, yy += y * y, yz += y * z, zz += z * z;
+  }
+  const double count = static_cast<double>(points_in_target.size());
+  const Eigen::Vector3d mean = Eigen::Vector3d(sum[0], sum[1], sum[2]) / count;
+  PrincipalFrame frame;
+  frame.centre = points_in_target[0] + mean;
+  Eigen::Matrix3d scatter;
+  scatter << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+  scatter -= count * mean * mean.transpose();
+  if (scatter.col(2).isZero(0.0)) {  // a board that lies in its own xy plane
+    const PlaneAxes axes = principal_axes(scatter.topLeftCorner<2, 2>() / count);
+    frame.local_from_target.topLeftCorner<2, 2>() = axes.local_from_plane;
+    frame.spread.head<2>() = axes.spread;
+    return frame;
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter / count);
   frame.local_from_target = solver.eigenvectors().rowwise().reverse().transpose();

@@ -92,7 +92,8 @@ LensVector fit_from(ModelId model, const LensFunctions& lens, const PointsInView
     }
     options.max_iterations = 15;
     options.poses_fixed = true;
-    refine_lens(lens, {samples}, options, parameters, here);
+    const double cost = refine_lens(lens, {samples}, options, parameters, here).cost;
+    if (cost < kGoodFitPx * kGoodFitPx) break;  // of all samples together: no smaller scale would change anything
   }
   for (const int zero : zeros) parameters[zero] = 0.0;
   return parameters;

@@ -5,7 +5,8 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "raybundle/geometry/rotation.hpp"
+#include "raybundle/camera/lanes.hpp"
+#include "raybundle/geometry/target_clones.hpp"
 
 namespace raybundle {
 namespace {
@@ -21,46 +22,133 @@ struct PoseEquations {
   Vector6 gradient = Vector6::Zero();
 };
 
+/// A pose and how far wrong rays pull.
+struct ChordPoint {
+  Eigen::Matrix3d rotation;
+  Eigen::Vector3d translation;
+  double scale;
+};
+
+/// Sums over the pairs, of one number or of lanes of them: upper triangles of the hessian, row by row.
+template <typename Number>
+struct ChordSums {
+  Number cost{0.0};
+  Number turn[6]{0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+  Number turn_and_shift[9]{0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+  Number shift[6]{0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+  Number gradient[6]{0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+};
+
+template <typename Number>
+[[gnu::always_inline]] inline void cross(const Number* a, const Number* b, Number* product) {
+  product[0] = a[1] * b[2] - a[2] * b[1];
+  product[1] = a[2] * b[0] - a[0] * b[2];
+  product[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/// Adds a pair, or as many as there are lanes; false where a point lies in the centre of projection.
+template <bool kWithEquations, typename Number>
+[[gnu::always_inline]] inline bool add_pairs(const Eigen::Vector3d* points, const Eigen::Vector3d* rays,
+                                             const ChordPoint& at, ChordSums<Number>& sums) {
+  using std::sqrt;
+  Number point[3], ray[3], arm[3], x[3];
+  load(points, point);
+  load(rays, ray);
+  for (int r = 0; r < 3; ++r) {
+    arm[r] = at.rotation(r, 0) * point[0] + at.rotation(r, 1) * point[1] + at.rotation(r, 2) * point[2];
+    x[r] = arm[r] + Number(at.translation[r]);
+  }
+  const Number distance = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+  if (!(distance > Number(1e-12))) return false;
+  const Number nearness = Number(1.0) / distance;
+  Number direction[3], chord[3];
+  for (int k = 0; k < 3; ++k) {
+    direction[k] = x[k] * nearness;
+    chord[k] = direction[k] - ray[k];
+  }
+  const Number chord2 = chord[0] * chord[0] + chord[1] * chord[1] + chord[2] * chord[2];
+  const double scale2 = at.scale * at.scale;
+  const Number damping = at.scale > 0 ? scale2 / (scale2 + chord2) : Number(1.0);
+  sums.cost += chord2 * damping;
+  if constexpr (kWithEquations) {
+    // With a = I - d dᵀ: [arm]× a = [arm]× - (arm × d) dᵀ, and [arm]× a [arm]×ᵀ = |arm|² I - arm armᵀ - (arm × d)(arm ×
+    // d)ᵀ.
+    const Number weight = damping * damping * nearness, weight2 = weight * nearness;
+    Number across[3], weighted_arm[3];
+    cross(arm, direction, across);
+    for (int k = 0; k < 3; ++k) weighted_arm[k] = weight2 * arm[k];
+    const Number arm2 = weighted_arm[0] * arm[0] + weighted_arm[1] * arm[1] + weighted_arm[2] * arm[2];
+    for (int a = 0, k = 0; a < 3; ++a) {
+      const Number weighted_across = weight2 * across[a], weighted_direction = weight2 * direction[a];
+      sums.turn[k] += arm2;
+      sums.shift[k] += weight2;
+      for (int b = a; b < 3; ++b, ++k) {
+        sums.turn[k] -= weighted_arm[a] * arm[b] + weighted_across * across[b];
+        sums.shift[k] -= weighted_direction * direction[b];
+      }
+      for (int b = 0; b < 3; ++b) sums.turn_and_shift[3 * a + b] -= weighted_across * direction[b];
+    }
+    sums.turn_and_shift[1] -= weighted_arm[2];
+    sums.turn_and_shift[2] += weighted_arm[1];
+    sums.turn_and_shift[3] += weighted_arm[2];
+    sums.turn_and_shift[5] -= weighted_arm[0];
+    sums.turn_and_shift[6] -= weighted_arm[1];
+    sums.turn_and_shift[7] += weighted_arm[0];
+    const Number along = direction[0] * chord[0] + direction[1] * chord[1] + direction[2] * chord[2];
+    Number pull[3], turn[3];
+    for (int k = 0; k < 3; ++k) pull[k] = weight * (chord[k] - along * direction[k]);
+    cross(arm, pull, turn);
+    for (int k = 0; k < 3; ++k) {
+      sums.gradient[k] += turn[k];
+      sums.gradient[3 + k] += pull[k];
+    }
+  }
+  return true;
+}
+
+/// Sums over all pairs, those of the lanes and those of the pairs that are left.
+template <bool kWithEquations>
+RAYBUNDLE_TARGET_CLONES [[gnu::flatten]] void add_all(std::span<const Eigen::Vector3d> points,
+                                                      std::span<const Eigen::Vector3d> rays, const ChordPoint& at,
+                                                      ChordSums<Lanes>& of_lanes, ChordSums<double>& sums) {
+  const auto add_one = [&](std::size_t i) {
+    // A board point in the centre of projection has no direction.
+    if (!add_pairs<kWithEquations>(&points[i], &rays[i], at, sums)) {
+      sums.cost += at.scale > 0 ? at.scale * at.scale : 4.0;
+    }
+  };
+  std::size_t i = 0;
+  for (; i + Lanes::kCount <= points.size(); i += Lanes::kCount) {
+    Lanes::disagreed = false;
+    if (add_pairs<kWithEquations>(&points[i], &rays[i], at, of_lanes)) continue;
+    for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) add_one(i + lane);
+  }
+  for (; i < points.size(); ++i) add_one(i);
+}
+
 /// Cost of a pose, and its equations when asked for.
 double chord_cost(std::span<const Eigen::Vector3d> points, std::span<const Eigen::Vector3d> rays, const Rigid3& pose,
                   double scale, PoseEquations* equations = nullptr) {
-  const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
-  const double scale2 = scale * scale;
-  double cost = 0.0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3d arm = rotation * points[i];
-    const Eigen::Vector3d x = arm + pose.translation;
-    const double distance = x.norm();
-    if (!(distance > 1e-12)) {  // a board point in the centre of projection has no direction
-      cost += scale > 0 ? scale2 : 4.0;
-      continue;
+  const ChordPoint at{pose.rotation.toRotationMatrix(), pose.translation, scale};
+  ChordSums<Lanes> of_lanes;
+  ChordSums<double> sums;
+  if (!equations) {
+    add_all<false>(points, rays, at, of_lanes, sums);
+    return sums.cost + of_lanes.cost.sum();
+  }
+  add_all<true>(points, rays, at, of_lanes, sums);
+  for (int a = 0, k = 0; a < 3; ++a) {
+    for (int b = a; b < 3; ++b, ++k) {
+      equations->hessian(a, b) = equations->hessian(b, a) = sums.turn[k] + of_lanes.turn[k].sum();
+      equations->hessian(3 + a, 3 + b) = equations->hessian(3 + b, 3 + a) = sums.shift[k] + of_lanes.shift[k].sum();
     }
-    const Eigen::Vector3d direction = x / distance;
-    const Eigen::Vector3d chord = direction - rays[i];
-    const double chord2 = chord.squaredNorm();
-    const double damping = scale > 0 ? scale2 / (scale2 + chord2) : 1.0;
-    cost += chord2 * damping;
-    if (!equations) continue;
-    // With a = I - d dᵀ: [arm]× a = [arm]× - (arm × d) dᵀ, and [arm]× a [arm]×ᵀ = |arm|² I - arm armᵀ - (arm × d)(arm ×
-    // d)ᵀ.
-    const double weight = damping * damping / distance, weight2 = weight / distance;
-    const Eigen::Vector3d across = arm.cross(direction);
-    Matrix6& hessian = equations->hessian;
-    const Eigen::Vector3d arm_of_weight = weight2 * arm, across_of_weight = weight2 * across;
-    const Eigen::Vector3d direction_of_weight = weight2 * direction;
-    hessian.topLeftCorner<3, 3>() -= arm_of_weight * arm.transpose() + across_of_weight * across.transpose();
-    hessian.diagonal().head<3>().array() += arm_of_weight.dot(arm);
-    hessian.topRightCorner<3, 3>() += skew(arm_of_weight) - across_of_weight * direction.transpose();
-    hessian.bottomRightCorner<3, 3>() -= direction_of_weight * direction.transpose();
-    hessian.diagonal().tail<3>().array() += weight2;
-    const Eigen::Vector3d b = weight * (chord - direction * direction.dot(chord));
-    equations->gradient.head<3>() += arm.cross(b);
-    equations->gradient.tail<3>() += b;
+    for (int b = 0; b < 3; ++b) {
+      equations->hessian(a, 3 + b) = equations->hessian(3 + b, a) =
+          sums.turn_and_shift[3 * a + b] + of_lanes.turn_and_shift[3 * a + b].sum();
+    }
   }
-  if (equations) {
-    equations->hessian.bottomLeftCorner<3, 3>() = equations->hessian.topRightCorner<3, 3>().transpose();
-  }
-  return cost;
+  for (int k = 0; k < 6; ++k) equations->gradient[k] = sums.gradient[k] + of_lanes.gradient[k].sum();
+  return sums.cost + of_lanes.cost.sum();
 }
 
 }  // namespace

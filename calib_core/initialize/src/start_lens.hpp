@@ -38,27 +38,29 @@ struct StartLens {
     return true;
   }
 
-  static bool plane_from_ray(const double* shape, const double* ray, double* plane, double* plane_wrt_ray,
-                             double* plane_wrt_shape) {
-    const double norm = std::sqrt(ray[0] * ray[0] + ray[1] * ray[1] + ray[2] * ray[2]);
-    const double d[3] = {ray[0] / norm, ray[1] / norm, ray[2] / norm};
-    const double c = d[2];
-    const double t = 1 - c;
-    const double denominator = (1 - shape[0]) * c + shape[0];
-    if (!(denominator > 1e-9)) return false;
-    const double polynomial = 1 + t * (shape[1] + t * shape[2]);
-    if (!(profile_slope(shape, c, denominator, polynomial) > 0)) return false;
-    const double scale = polynomial / denominator;
-    const double scale_wrt_c = (-(shape[1] + 2 * t * shape[2]) - scale * (1 - shape[0])) / denominator;
+  template <typename T>
+  static bool plane_from_ray(const T* shape, const T* ray, T* plane, T* plane_wrt_ray, T* plane_wrt_shape) {
+    using std::sqrt;
+    const T nearness = T(1) / sqrt(ray[0] * ray[0] + ray[1] * ray[1] + ray[2] * ray[2]);
+    const T d[3] = {ray[0] * nearness, ray[1] * nearness, ray[2] * nearness};
+    const T c = d[2];
+    const T t = T(1) - c;
+    const T denominator = (T(1) - shape[0]) * c + shape[0];
+    if (!(denominator > T(1e-9))) return false;
+    const T polynomial = T(1) + t * (shape[1] + t * shape[2]);
+    if (!(profile_slope(shape, c, denominator, polynomial) > T(0))) return false;
+    const T inverse = T(1) / denominator;
+    const T scale = polynomial * inverse;
+    const T scale_wrt_c = (-(shape[1] + T(2) * t * shape[2]) - scale * (T(1) - shape[0])) * inverse;
     for (int axis = 0; axis < 2; ++axis) {
       plane[axis] = scale * d[axis];
-      double wrt_direction[3] = {0, 0, d[axis] * scale_wrt_c};
+      T wrt_direction[3] = {T(0), T(0), d[axis] * scale_wrt_c};
       wrt_direction[axis] = scale;
-      const double along = wrt_direction[0] * d[0] + wrt_direction[1] * d[1] + wrt_direction[2] * d[2];
-      for (int k = 0; k < 3; ++k) plane_wrt_ray[3 * axis + k] = (wrt_direction[k] - along * d[k]) / norm;
-      plane_wrt_shape[3 * axis + 0] = -d[axis] * scale * t / denominator;
-      plane_wrt_shape[3 * axis + 1] = d[axis] * t / denominator;
-      plane_wrt_shape[3 * axis + 2] = d[axis] * t * t / denominator;
+      const T along = wrt_direction[0] * d[0] + wrt_direction[1] * d[1] + wrt_direction[2] * d[2];
+      for (int k = 0; k < 3; ++k) plane_wrt_ray[3 * axis + k] = (wrt_direction[k] - along * d[k]) * nearness;
+      plane_wrt_shape[3 * axis + 0] = -d[axis] * scale * t * inverse;
+      plane_wrt_shape[3 * axis + 1] = d[axis] * t * inverse;
+      plane_wrt_shape[3 * axis + 2] = d[axis] * t * t * inverse;
     }
     return true;
   }

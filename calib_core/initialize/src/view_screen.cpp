@@ -31,14 +31,17 @@ std::vector<std::size_t> thinned_indices(const PointsInView& view, std::size_t c
     return chosen;
   }
   chosen.reserve(count + 4);
-  const auto sum = [&](std::size_t i) { return view.pixels[i].x() + view.pixels[i].y(); };
-  const auto difference = [&](std::size_t i) { return view.pixels[i].x() - view.pixels[i].y(); };
-  std::array<std::size_t, 4> extreme{};
-  for (std::size_t i = 1; i < size; ++i) {
-    if (sum(i) > sum(extreme[0])) extreme[0] = i;
-    if (sum(i) < sum(extreme[1])) extreme[1] = i;
-    if (difference(i) > difference(extreme[2])) extreme[2] = i;
-    if (difference(i) < difference(extreme[3])) extreme[3] = i;
+  std::array<std::size_t, 4> extreme{};  // of x + y and x - y
+  std::array<double, 4> reach;
+  reach.fill(-std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < size; ++i) {
+    const double sum = view.pixels[i].x() + view.pixels[i].y(), difference = view.pixels[i].x() - view.pixels[i].y();
+    const std::array<double, 4> here{sum, -sum, difference, -difference};
+    for (std::size_t k = 0; k < 4; ++k) {  // choices, not branches: along a row of the board nobody can foresee them
+      const bool farther = here[k] > reach[k];
+      reach[k] = farther ? here[k] : reach[k];
+      extreme[k] = farther ? i : extreme[k];
+    }
   }
   chosen.assign(extreme.begin(), extreme.end());
   double place = 0.0;
@@ -73,9 +76,10 @@ struct Neighbours {
 Neighbours neighbours_of(const Points2& board, std::size_t i) {
   Neighbours near;
   std::array<double, kNeighbours> distance2;
+  distance2.fill(std::numeric_limits<double>::infinity());
   for (std::size_t j = 0; j < board.size(); ++j) {  // insertion: most corners are farther than the last one kept
     const double d2 = (board[j] - board[i]).squaredNorm();
-    if (j == i || (near.count == kNeighbours && d2 >= distance2[kNeighbours - 1])) continue;
+    if (d2 >= distance2[kNeighbours - 1] || j == i) continue;
     std::size_t at = near.count < kNeighbours ? near.count++ : kNeighbours - 1;
     for (; at > 0 && distance2[at - 1] > d2; --at) {
       distance2[at] = distance2[at - 1];
@@ -180,19 +184,23 @@ PointsInView thinned(const PointsInView& view, std::size_t count) {
   return view.points.size() <= count ? view : selected(view, thinned_indices(view, count));
 }
 
-std::vector<std::size_t> spread_views(const std::vector<PointsInView>& views, std::size_t count) {
+std::vector<std::size_t> spread_views(std::span<const PointsInView> views, std::size_t count) {
   std::vector<std::size_t> chosen;
   if (views.empty()) return chosen;
-  std::vector<Eigen::Vector4d> features(views.size());
+  std::vector<Eigen::Vector4d> features(views.size());  // where the corners are and how far they reach
   double scale = 1e-9;
   for (std::size_t v = 0; v < views.size(); ++v) {
-    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-    const double n = static_cast<double>(views[v].pixels.size());
-    for (const Eigen::Vector2d& pixel : views[v].pixels) mean += pixel / n;
-    Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
-    for (const Eigen::Vector2d& pixel : views[v].pixels) covariance += (pixel - mean) * (pixel - mean).transpose() / n;
-    features[v] << mean, std::sqrt(covariance(0, 0)), std::sqrt(covariance(1, 1));
-    scale = std::max(scale, mean.norm());
+    const std::vector<Eigen::Vector2d>& pixels = views[v].pixels;
+    Eigen::Array2d sum = Eigen::Array2d::Zero(), squares = Eigen::Array2d::Zero();
+    for (const Eigen::Vector2d& pixel : pixels) {
+      const Eigen::Array2d offset = pixel - pixels.front();
+      sum += offset;
+      squares += offset.square();
+    }
+    const Eigen::Array2d mean = sum / static_cast<double>(pixels.size());
+    const Eigen::Array2d variance = squares / static_cast<double>(pixels.size()) - mean.square();
+    features[v] << pixels.front() + mean.matrix(), variance.cwiseMax(0.0).sqrt().matrix();
+    scale = std::max(scale, features[v].head<2>().norm());
   }
   const auto fullest = std::ranges::max_element(views, {}, [](const PointsInView& view) { return view.points.size(); });
   chosen.push_back(static_cast<std::size_t>(fullest - views.begin()));

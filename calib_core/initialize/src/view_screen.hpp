@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "lens_bundle.hpp"
@@ -17,6 +18,6 @@ PointsInView screened(const PointsInView& view, std::size_t count);
 PointsInView thinned(const PointsInView& view, std::size_t count);
 
 /// Indices of at most `count` views that differ most from each other in place and size, the fullest first.
-std::vector<std::size_t> spread_views(const std::vector<PointsInView>& views, std::size_t count);
+std::vector<std::size_t> spread_views(std::span<const PointsInView> views, std::size_t count);
 
 }  // namespace raybundle

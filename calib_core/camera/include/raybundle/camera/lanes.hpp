@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <cmath>
 
 namespace raybundle {
@@ -26,6 +27,7 @@ class Lanes {
   [[gnu::always_inline]] void store(double* numbers) const {
     for (int lane = 0; lane < kCount; ++lane) numbers[lane] = vector_[lane];
   }
+  [[gnu::always_inline]] double sum() const { return (vector_[0] + vector_[1]) + (vector_[2] + vector_[3]); }
   [[gnu::always_inline]] double operator[](int lane) const { return vector_[lane]; }
 
 #define RAYBUNDLE_LANES_OPERATOR(op)                                                \
@@ -91,6 +93,16 @@ class Lanes {
 [[gnu::always_inline]] inline void load(const double* from, Lanes& lanes) { lanes = Lanes::from(from); }
 [[gnu::always_inline]] inline void store(double number, double* to) { *to = number; }
 [[gnu::always_inline]] inline void store(const Lanes& lanes, double* to) { lanes.store(to); }
+
+/// Coordinates of the vector there, or of the Lanes::kCount from there on.
+template <int size>
+[[gnu::always_inline]] inline void load(const Eigen::Matrix<double, size, 1>* from, double (&numbers)[size]) {
+  for (int k = 0; k < size; ++k) numbers[k] = (*from)[k];
+}
+template <int size>
+[[gnu::always_inline]] inline void load(const Eigen::Matrix<double, size, 1>* from, Lanes (&numbers)[size]) {
+  for (int k = 0; k < size; ++k) numbers[k] = Lanes(Lanes::Vector{from[0][k], from[1][k], from[2][k], from[3][k]});
+}
 
 /// Camera models whose formulas are written for any number.
 template <typename M>

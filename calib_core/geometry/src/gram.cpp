@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Raybundle authors
 // SPDX-License-Identifier: Apache-2.0
-#include "gram.hpp"
+#include "raybundle/geometry/gram.hpp"
 
 #include "raybundle/geometry/target_clones.hpp"
 
