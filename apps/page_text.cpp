@@ -6,10 +6,13 @@
 
 namespace raybundle::apps {
 
+void append_json_for_script(std::string_view json, std::string& page) {
+  for (const char c : json) c == '<' ? page += "\\u003c" : page += c;
+}
+
 std::string json_for_script(std::string_view json) {
   std::string text;
-  text.reserve(json.size());
-  for (const char c : json) c == '<' ? text += "\\u003c" : text += c;
+  append_json_for_script(json, text);
   return text;
 }
 

@@ -26,29 +26,33 @@ std::string text_for_attribute(std::string_view text) {
   return replaced(replaced(replaced(text, '&', "&amp;"), '"', "&quot;"), '<', "&lt;");
 }
 
-std::string joined_script() {
-  std::string text;
-  for (const std::string_view piece : kReportScript) text += piece;
-  return text;
-}
-
-std::string part_named(std::string_view name, const std::string& report_json, const std::string& images) {
-  if (name == "style") return std::string(kReportStyle);
-  if (name == "script") return joined_script();
-  if (name == "report") return json_for_script(report_json);
-  if (name == "images") return text_for_attribute(images.empty() ? images : images + "/");
-  throw Error(ErrorKind::kBadInput, "the page has no part of that name; see apps/report_page.cpp", std::string(name));
+void append_part(std::string_view name, const std::string& report_json, const std::string& images, std::string& page) {
+  if (name == "style") {
+    page += kReportStyle;
+  } else if (name == "script") {
+    for (const std::string_view piece : kReportScript) page += piece;
+  } else if (name == "report") {
+    append_json_for_script(report_json, page);  // the one that may be long
+  } else if (name == "images") {
+    page += text_for_attribute(images.empty() ? images : images + "/");
+  } else {
+    throw Error(ErrorKind::kBadInput, "the page has no part of that name; see apps/report_page.cpp", std::string(name));
+  }
 }
 
 }  // namespace
 
 std::string report_page(const std::string& report_json, const std::string& images) {
+  std::size_t size = kReportTemplate.size() + kReportStyle.size() + report_json.size();
+  for (const std::string_view piece : kReportScript) size += piece.size();
   std::string page;
+  page.reserve(size +
+               size / 64);  // of a report that may be long; the little more is for what has to be spelt otherwise
   std::string_view rest = kReportTemplate;
   for (std::size_t begin = rest.find("{{"); begin != rest.npos; begin = rest.find("{{")) {
     const std::size_t end = rest.find("}}", begin);
     page += rest.substr(0, begin);
-    page += part_named(rest.substr(begin + 2, end - begin - 2), report_json, images);
+    append_part(rest.substr(begin + 2, end - begin - 2), report_json, images, page);
     rest.remove_prefix(end + 2);
   }
   return page += rest;

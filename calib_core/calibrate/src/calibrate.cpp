@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 #include "cameras_alone.hpp"
 #include "content_order.hpp"
@@ -127,7 +128,7 @@ CalibrationResult for_whole_problem(const CalibrationProblem& whole, const std::
   return result;
 }
 
-CalibrationResult calibrate_in_order(const CalibrationProblem& problem, const CalibrateOptions& options) {
+CalibrationResult calibrate_in_order(CalibrationProblem problem, const CalibrateOptions& options) {
   CalibrationResult result;
 
   // Each camera alone, then all that could be calibrated as one rig.
@@ -137,7 +138,7 @@ CalibrationResult calibrate_in_order(const CalibrationProblem& problem, const Ca
     if (alone.cameras[c]) cameras.push_back(c);
   }
   if (cameras.empty()) throw Error(ErrorKind::kNotEnoughData, alone.why_not.front());
-  Subproblem sub = select_cameras(problem, cameras);
+  Subproblem sub = take_cameras(problem, cameras);
   const std::size_t rules = sub.problem.rules.size();
   for (const int c : cameras) std::ranges::copy(alone.given_up[c], std::back_inserter(sub.problem.rules));
   sub.problem.lens_priors = alone.lens_priors;
@@ -202,8 +203,9 @@ CalibrationResult calibrate_in_order(const CalibrationProblem& problem, const Ca
 CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOptions& options) {
   check(problem);
   parameter_blocks(problem);  // refuses rules that match nothing
-  const OrderedProblem ordered = in_order_of_content(problem);
-  return in_given_order(ordered, calibrate_in_order(ordered.problem, options));
+  OrderedProblem ordered = in_order_of_content(problem);
+  CalibrationResult result = calibrate_in_order(std::move(ordered.problem), options);
+  return in_given_order(ordered, std::move(result));
 }
 
 }  // namespace raybundle

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 namespace raybundle {
 namespace {
@@ -15,11 +16,12 @@ std::vector<int> indices(std::size_t count) {
   return result;
 }
 
+/// @param indices  each once
 template <typename T>
-std::vector<T> at(const std::vector<T>& values, const std::vector<int>& indices) {
+std::vector<T> at(std::vector<T> values, const std::vector<int>& indices) {
   std::vector<T> result;
   result.reserve(indices.size());
-  for (const int i : indices) result.push_back(values[i]);
+  for (const int i : indices) result.push_back(std::move(values[i]));
   return result;
 }
 
@@ -63,7 +65,7 @@ OrderedProblem in_order_of_content(const CalibrationProblem& given) {
   ordered.views = indices(given.views.size());
   std::ranges::stable_sort(ordered.views,
                            [&](int a, int b) { return before(ordered.problem.views[a], ordered.problem.views[b]); });
-  ordered.problem.views = at(ordered.problem.views, ordered.views);
+  ordered.problem.views = at(std::move(ordered.problem.views), ordered.views);
   ordered.observations = at(observations, ordered.views);
   ordered.dots = at(dots, ordered.views);
   if (given.laser && given.laser->anchor) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 #include <optional>
+#include <utility>
 
 #include "raybundle/bundle/parameters.hpp"
 
@@ -19,9 +20,9 @@ void refer_to_first(std::vector<ProblemCamera>& cameras, std::optional<Rigid3> f
   }
 }
 
-}  // namespace
-
-Subproblem select_cameras(const CalibrationProblem& whole, const std::vector<int>& cameras) {
+/// @param take  gives the view of an index in the whole problem
+template <typename Take>
+Subproblem select(const CalibrationProblem& whole, const std::vector<int>& cameras, const Take& take) {
   Subproblem sub;
   sub.problem.targets = whole.targets;
   sub.problem.frames = whole.frames;
@@ -32,7 +33,7 @@ Subproblem select_cameras(const CalibrationProblem& whole, const std::vector<int
   for (std::size_t v = 0; v < whole.views.size(); ++v) {
     const auto found = std::ranges::find(cameras, whole.views[v].camera);
     if (found == cameras.end()) continue;
-    sub.problem.views.push_back(whole.views[v]);
+    sub.problem.views.push_back(take(v));
     sub.problem.views.back().camera = static_cast<int>(found - cameras.begin());
     sub.views.push_back(static_cast<int>(v));
   }
@@ -49,6 +50,16 @@ Subproblem select_cameras(const CalibrationProblem& whole, const std::vector<int
   std::ranges::copy_if(whole.rules, std::back_inserter(sub.problem.rules),
                        [&](const ParameterRule& rule) { return matches_any(rule, sub.problem); });
   return sub;
+}
+
+}  // namespace
+
+Subproblem select_cameras(const CalibrationProblem& whole, const std::vector<int>& cameras) {
+  return select(whole, cameras, [&](std::size_t v) { return whole.views[v]; });
+}
+
+Subproblem take_cameras(CalibrationProblem& whole, const std::vector<int>& cameras) {
+  return select(whole, cameras, [&](std::size_t v) { return std::move(whole.views[v]); });
 }
 
 void relabel(CalibrationProblem& problem, const std::vector<int>& symmetry_of_view) {

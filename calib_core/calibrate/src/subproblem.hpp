@@ -23,6 +23,9 @@ struct Subproblem {
 /// @param cameras  indices in ascending order; the first one's frame becomes the rig frame
 Subproblem select_cameras(const CalibrationProblem& whole, const std::vector<int>& cameras);
 
+/// The same with the corners taken out of the whole problem, whose views stay without them: nothing is held twice.
+Subproblem take_cameras(CalibrationProblem& whole, const std::vector<int>& cameras);
+
 /// Puts right the point ids of mislabelled views of symmetric boards.
 ///
 /// @param symmetry_of_view  as in RigStart

@@ -22,8 +22,28 @@ OrderedJson json_from_pairs(const std::vector<std::pair<std::string, std::string
   return json;
 }
 
-void append(const OrderedJson& value, const std::vector<std::string>& lines, bool one_a_line, std::size_t indent,
-            std::string& text) {
+/// How arrays are written, by their keys.
+struct Layout {
+  const std::vector<std::string>& lines;
+  const LongArray& long_array;
+};
+
+void append(const LongArray& array, std::size_t indent, std::string& text) {
+  for (std::size_t i = 0; i < array.size; ++i) {
+    text += i == 0 ? "[\n" : ",\n";
+    text.append(indent + 2, ' ');
+    text += flat_text(array.entry(i));
+  }
+  if (array.size == 0) {
+    text += "[]";
+    return;
+  }
+  text += '\n';
+  text.append(indent, ' ');
+  text += ']';
+}
+
+void append(const OrderedJson& value, const Layout& layout, bool one_a_line, std::size_t indent, std::string& text) {
   if (value.empty() || !value.is_structured() || (value.is_array() && holds_plain_values(value))) {
     text += flat_text(value);
     return;
@@ -35,11 +55,13 @@ void append(const OrderedJson& value, const std::vector<std::string>& lines, boo
     text += (first ? "\n" : ",\n") + margin;
     first = false;
     if (value.is_object()) text += flat_text(OrderedJson(item.key())) + ": ";
-    if (one_a_line || (value.is_array() && holds_plain_values(item.value()))) {
+    if (indent == 0 && value.is_object() && item.key() == layout.long_array.key) {
+      append(layout.long_array, indent + 2, text);
+    } else if (one_a_line || (value.is_array() && holds_plain_values(item.value()))) {
       text += flat_text(item.value());
     } else {
-      const bool listed = value.is_object() && std::ranges::find(lines, item.key()) != lines.end();
-      append(item.value(), lines, listed, indent + 2, text);
+      const bool listed = value.is_object() && std::ranges::find(layout.lines, item.key()) != layout.lines.end();
+      append(item.value(), layout, listed, indent + 2, text);
     }
   }
   text += "\n" + std::string(indent, ' ') + (value.is_array() ? ']' : '}');
@@ -47,10 +69,11 @@ void append(const OrderedJson& value, const std::vector<std::string>& lines, boo
 
 }  // namespace
 
-std::string pretty_text(const OrderedJson& value, const std::vector<std::string>& lines) {
+std::string pretty_text(const OrderedJson& value, const std::vector<std::string>& lines, const LongArray& long_array) {
   std::string text;
-  append(value, lines, false, 0, text);
-  return text + "\n";
+  append(value, {lines, long_array}, false, 0, text);
+  text += '\n';
+  return text;
 }
 
 OrderedJson json_from_vector(const Eigen::Ref<const Eigen::VectorXd>& values) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -16,11 +17,20 @@ namespace raybundle {
 /// Keys are written in the order in which they were set.
 using OrderedJson = nlohmann::ordered_json;
 
+/// An array too long to be held as JSON: its entries are made one by one.
+struct LongArray {
+  std::string key;  ///< of the value's own, whose empty array it stands for
+  std::size_t size = 0;
+  std::function<OrderedJson(std::size_t)> entry;
+};
+
 /// JSON for people and programs: objects are indented, arrays of plain values, and objects of plain values in an array,
 /// stay on one line. Numbers have the shortest digits that bring back the same bits; what is not finite becomes null.
 ///
 /// @param lines  keys of arrays whose entries are written one a line, whatever they hold
-std::string pretty_text(const OrderedJson& value, const std::vector<std::string>& lines = {});
+/// @param long_array  one more of them
+std::string pretty_text(const OrderedJson& value, const std::vector<std::string>& lines = {},
+                        const LongArray& long_array = {});
 
 OrderedJson json_from_vector(const Eigen::Ref<const Eigen::VectorXd>& values);
 OrderedJson json_from_rigid3(const Rigid3& b_from_a);

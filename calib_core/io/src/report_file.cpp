@@ -165,12 +165,11 @@ OrderedJson json_from_lens_priors(const CalibrationResult& result) {
   return json;
 }
 
-OrderedJson json_from_views(const CalibrationProblem& problem, const CalibrationResult& result) {
-  OrderedJson json = OrderedJson::array();
-  for (std::size_t i = 0; i < problem.views.size(); ++i) {
-    json.push_back(json_from_view(problem, problem.views[i], i < result.views.size() ? result.views[i] : ViewResult{}));
-  }
-  return json;
+LongArray views_of(const CalibrationProblem& problem, const CalibrationResult& result) {
+  return {"views", problem.views.size(), [&](std::size_t i) {
+            const ViewResult none;
+            return json_from_view(problem, problem.views[i], i < result.views.size() ? result.views[i] : none);
+          }};
 }
 
 }  // namespace
@@ -195,7 +194,7 @@ std::string text_from_report(const CalibrationProblem& problem, const Calibratio
       {"poses", json_from_poses(problem, result.poses)},
       {"fates", kFates},
       {"observation_columns", {"point_id", "u_px", "v_px", "sigma_px", "residual_u_px", "residual_v_px", "fate"}},
-      {"views", json_from_views(problem, result)},
+      {"views", OrderedJson::array()},
       {"provenance", json_from_provenance(extra.provenance)}};
   if (result.calibration.covariance_by_frame) {
     json["sigma_ratio_by_frame"] = json_from_frame_scatter(result.calibration);
@@ -206,7 +205,7 @@ std::string text_from_report(const CalibrationProblem& problem, const Calibratio
     json["dot_columns"] = {"u_px", "v_px", "row", "column", "residual_u_px", "residual_v_px", "fate"};
   }
   for (const ReportSection& section : extra.sections) json[section.name] = OrderedJson::parse(section.json);
-  return pretty_text(json, {"views", "beams"});
+  return pretty_text(json, {"beams"}, views_of(problem, result));
 }
 
 void write_report(const std::filesystem::path& path, const CalibrationProblem& problem, const CalibrationResult& result,

@@ -115,6 +115,15 @@ TEST(Report, KeepsEveryObservationWithResidualAndFate) {
   EXPECT_EQ(report["views"][1]["pose"], -1);
 }
 
+TEST(Report, ASectionKeepsViewsOfItsOwn) {
+  const CalibrationProblem problem = small_observations().problem;
+  ReportExtra extra;
+  extra.sections.push_back({"next_views", R"({"views": [{"text": "tilt it"}]})"});
+  const Json report = Json::parse(text_from_report(problem, result_for(problem), extra));
+  EXPECT_EQ(report["next_views"]["views"][0]["text"], "tilt it");
+  EXPECT_EQ(report["views"].size(), problem.views.size());
+}
+
 TEST(Report, AFileNameThatIsNotUtf8DoesNotFailIt) {
   CalibrationProblem problem = small_observations().problem;
   problem.views[0].image = "\xff.jpg";
