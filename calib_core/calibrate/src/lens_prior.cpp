@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "camera_corners.hpp"
 #include "raybundle/calibrate/lens_domain.hpp"
@@ -22,20 +23,42 @@ double rounded(double value) { return std::exp2(0.5 * std::round(2.0 * std::log2
 // Half the power of the radius that k1 to k6 stand before.
 int power_of(std::string_view coefficient) { return (coefficient[1] - '1') % 3 + 1; }
 
-// Of a camera's coefficients; none without a denominator, and none where its corners show no noise and no field.
-void add_priors(const CalibrationProblem& problem, const BundleState& state, int camera, double noise,
-                std::vector<ParameterRule>& priors) {
-  const ModelId model = problem.cameras[camera].model;
-  if (!can_have_pole(model)) return;
-  const double field_rad = farthest_corner_rad(problem, state, camera);
-  if (!std::isfinite(noise) || !(field_rad > 0.0 && field_rad < M_PI_2)) return;
+// Of a ratio of two polynomials: each coefficient of the profile.
+std::vector<ExpectedCoefficient> expected_of_ratio(ModelId model, double field_rad) {
+  std::vector<ExpectedCoefficient> expected;
+  if (!(field_rad > 0.0 && field_rad < M_PI_2)) return expected;
   const double field = std::pow(std::tan(field_rad), 2);  // squared radius in the plane
   for (const std::string_view name : parameter_names(model)) {
     if (name.front() != 'k') continue;
-    const double sigma = std::max(1.0, std::pow(rounded(field), -power_of(name)));
-    priors.push_back({problem.cameras[camera].name + "." + std::string(name), ParameterRule::Kind::kPrior, 0.0,
-                      sigma / rounded(std::max(noise, kLeastNoise))});
+    expected.push_back({name, 0.0, std::max(1.0, std::pow(rounded(field), -power_of(name)))});
   }
+  return expected;
+}
+
+// What a model's definition says.
+std::vector<ExpectedCoefficient> expected_of_model(ModelId model) {
+  return with_model(model, []<CameraModel M>() -> std::vector<ExpectedCoefficient> {
+    if constexpr (requires { M::kExpected; }) return {M::kExpected.begin(), M::kExpected.end()};
+    return {};
+  });
+}
+
+// Of a camera's coefficients; none where its corners show no noise and no field.
+void add_priors(const CalibrationProblem& problem, const BundleState& state, int camera, double noise,
+                std::vector<ParameterRule>& priors) {
+  const ModelId model = problem.cameras[camera].model;
+  if (!std::isfinite(noise)) return;
+  const std::vector<ExpectedCoefficient> expected =
+      can_have_pole(model) ? expected_of_ratio(model, farthest_corner_rad(problem, state, camera))
+                           : expected_of_model(model);
+  for (const ExpectedCoefficient& coefficient : expected) {
+    priors.push_back({problem.cameras[camera].name + "." + std::string(coefficient.name), ParameterRule::Kind::kPrior,
+                      coefficient.value, coefficient.sigma / rounded(std::max(noise, kLeastNoise))});
+  }
+}
+
+bool may_have_prior(const ProblemCamera& camera) {
+  return can_have_pole(camera.model) || !expected_of_model(camera.model).empty();
 }
 
 bool same(const ParameterRule& a, const ParameterRule& b) { return a.pattern == b.pattern && a.sigma == b.sigma; }
@@ -43,7 +66,7 @@ bool same(const ParameterRule& a, const ParameterRule& b) { return a.pattern == 
 }  // namespace
 
 bool weigh_lens_priors(CalibrationProblem& problem, const BundleState& state) {
-  if (std::ranges::none_of(problem.cameras, can_have_pole, &ProblemCamera::model)) return false;
+  if (std::ranges::none_of(problem.cameras, may_have_prior)) return false;
   const std::vector<double> noise = robust_sigmas(problem, state);
   std::vector<ParameterRule> priors;
   for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) add_priors(problem, state, c, noise[c], priors);

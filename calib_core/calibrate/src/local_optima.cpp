@@ -12,6 +12,7 @@
 #include "raybundle/calibrate/lens_domain.hpp"
 #include "raybundle/initialize/other_optima.hpp"
 #include "robust_solve.hpp"
+#include "weak_directions.hpp"
 
 namespace raybundle {
 namespace {
@@ -25,8 +26,12 @@ constexpr double kWonBack = 25.0;        // squared sigmas that a turned board m
 constexpr std::size_t kMostTried = 8;    // boards that are turned one by one
 constexpr std::size_t kMostViews = 100;  // of which one could move the camera
 constexpr std::size_t kOfEachSide = 8;   // cameras along the valley
+constexpr double kLooseShare = 3e-4;     // of the image's longer side
 constexpr double kReadmitted = 4.0;      // times the limit of outliers
 constexpr double kMirroredGain = 1e-6;   // relative: by which a mirrored board's squares must be smaller
+
+// Beyond, views leave a lens so loose that it may have optima anywhere along what they do not tell.
+double loose_px(ImageSize size) { return kLooseShare * std::max(size.width, size.height); }
 
 std::size_t count_used(const BundleState& state) {
   std::size_t used = 0;
@@ -207,6 +212,13 @@ CameraOptimum leave_local_optima(const CalibrationProblem& single, BundleState& 
   measure();
   for (int round = 0; round < kRounds && !failed(); ++round) {
     if (!move_to_lower_alike(single, state, options, optimum)) break;
+    summary = solve_without_outliers(single, state, options, false, reasons, summary);
+    measure();
+  }
+  for (int round = 0; round < kRounds && !failed(); ++round) {
+    if (!(optimum.projection_sigma_px > loose_px(state.cameras[0].size))) break;
+    std::vector<BundleState> others = states_along_weakest(single, state, options.threads);
+    if (!move_to_lower(single, state, std::move(others), options, summary)) break;
     summary = solve_without_outliers(single, state, options, false, reasons, summary);
     measure();
   }

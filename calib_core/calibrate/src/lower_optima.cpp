@@ -3,6 +3,7 @@
 #include "lower_optima.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "raybundle/calibrate/lens_domain.hpp"
 
@@ -36,17 +37,25 @@ struct OtherSolve {
   BundleSummary summary;
 };
 
-// Solves on from other cameras with the boards where they are: all of them for some steps, then the lowest that have
-// not come to rest. Those that are lower than where the state was, the lowest first.
+std::vector<BundleState> with_cameras(const BundleState& state, const std::vector<Camera>& cameras) {
+  std::vector<BundleState> states;
+  for (const Camera& camera : cameras) {
+    states.push_back(state);
+    states.back().cameras[0] = camera;
+  }
+  return states;
+}
+
+// Solves on from other states: all of them for some steps, then the lowest that have not come to rest. Those that are
+// lower than where the state was, the lowest first.
 std::vector<OtherSolve> lower_optima(const CalibrationProblem& single, const BundleState& state, double cost,
-                                     const std::vector<Camera>& others, BundleOptions bundle) {
+                                     std::vector<BundleState> others, BundleOptions bundle) {
   const int most_iterations = bundle.max_iterations;
   bundle.max_iterations = std::min(most_iterations, kFirstLook);
   const auto by_cost = [](const OtherSolve& solve) { return solve.summary.final_cost; };
   std::vector<OtherSolve> solves;
-  for (const Camera& camera : others) {
-    OtherSolve other{state, {}};
-    other.state.cameras[0] = camera;
+  for (BundleState& start : others) {
+    OtherSolve other{std::move(start), {}};
     other.summary = solve_bundle(single, other.state, bundle);
     if (other.summary.termination == Termination::kFailed) continue;
     if (spoils_lens(single, state, other.state)) continue;  // or they would crowd out those that may be followed
@@ -69,6 +78,14 @@ std::vector<OtherSolve> lower_optima(const CalibrationProblem& single, const Bun
   return solves;
 }
 
+// Whether there is one.
+bool take_lowest(std::vector<OtherSolve> lower, BundleState& state, BundleSummary& summary) {
+  if (lower.empty()) return false;
+  state = std::move(lower.front().state);
+  summary = lower.front().summary;
+  return true;
+}
+
 }  // namespace
 
 bool move_to_lower(const CalibrationProblem& single, BundleState& state, const std::vector<Camera>& others,
@@ -80,14 +97,20 @@ bool move_to_lower(const CalibrationProblem& single, BundleState& state, const s
   BundleState fewer = with_fewer_views(state);
   const bool all = fewer.pose_of_view == state.pose_of_view;
   const double cost = all ? summary.final_cost : solve_bundle(single, fewer, bundle).final_cost;
-  std::vector<OtherSolve> lower = lower_optima(single, fewer, cost, others, bundle);
+  std::vector<OtherSolve> lower = lower_optima(single, fewer, cost, with_cameras(fewer, others), bundle);
   if (!all && !lower.empty()) {
-    lower = lower_optima(single, state, summary.final_cost, {lower.front().state.cameras[0]}, bundle);
+    const std::vector<Camera> best{lower.front().state.cameras[0]};
+    lower = lower_optima(single, state, summary.final_cost, with_cameras(state, best), bundle);
   }
-  if (lower.empty()) return false;
-  state = std::move(lower.front().state);
-  summary = lower.front().summary;
-  return true;
+  return take_lowest(std::move(lower), state, summary);
+}
+
+bool move_to_lower(const CalibrationProblem& single, BundleState& state, std::vector<BundleState> others,
+                   const CalibrateOptions& options, BundleSummary& summary) {
+  BundleOptions bundle;
+  bundle.threads = options.threads;
+  bundle.max_iterations = options.max_iterations;
+  return take_lowest(lower_optima(single, state, summary.final_cost, std::move(others), bundle), state, summary);
 }
 
 }  // namespace raybundle

@@ -18,4 +18,8 @@ namespace raybundle {
 bool move_to_lower(const CalibrationProblem& single, BundleState& state, const std::vector<Camera>& others,
                    const CalibrateOptions& options, BundleSummary& summary);
 
+/// The same from other states, whose boards have followed their cameras; all views tell.
+bool move_to_lower(const CalibrationProblem& single, BundleState& state, std::vector<BundleState> others,
+                   const CalibrateOptions& options, BundleSummary& summary);
+
 }  // namespace raybundle

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "random_rig.hpp"
 #include "raybundle/bundle/parameters.hpp"
 #include "raybundle/calibrate/calibrate.hpp"
 #include "synthetic_world.hpp"
@@ -99,7 +100,17 @@ TEST(LensPrior, IsToldWhereItIsInForce) {
   EXPECT_THAT(told, ::testing::UnorderedElementsAre(camera + "k2", camera + "k4"));
 }
 
-TEST(LensPrior, IsOfModelsThatCanHaveAPoleOnly) {
+TEST(LensPrior, KeepsAUnifiedLensFromRunningAway) {
+  const testing::RandomRig rig = testing::random_rig(*model_named("unified"), 14054);  // without it: xi = 430
+  const CalibrationResult result = calibrate(rig.problem);
+  std::vector<std::string> told;
+  for (const ParameterRule& prior : result.lens_priors) told.push_back(prior.pattern);
+  EXPECT_THAT(told, ::testing::ElementsAre(rig.problem.cameras[0].name + ".xi"));
+  EXPECT_LT(std::abs(result.calibration.cameras[0].camera.parameters[4] - 1.0), 3.0);  // three sigmas of the prior
+  EXPECT_EQ(result.termination, Termination::kConverged);
+}
+
+TEST(LensPrior, OtherModelsHaveNone) {
   testing::SyntheticOptions options;
   const testing::SyntheticWorld world = testing::synthetic_world(options);
   CalibrationProblem problem = world.problem;

@@ -44,7 +44,10 @@ INSTANTIATE_TEST_SUITE_P(Rigs, HardStart,
                                            HardRig{"ThreeLensesMayBeNearlyAlike", "unified", 6193},
                                            HardRig{"TheValleyIsSearchedToItsEnd", "double_sphere", 3044},
                                            HardRig{"AViewWhereTheOthersShowNothingComesBack", "thin_prism", 8032},
-                                           HardRig{"AWrongPoseOfARightViewIsMended", "kannala_brandt", 9192}),
+                                           HardRig{"AWrongPoseOfARightViewIsMended", "kannala_brandt", 9192},
+                                           HardRig{"AValleyIsFollowedAsFarAsItIsOpen", "kannala_brandt", 11064},
+                                           HardRig{"AllBoardsMayTurnWithTheLens", "thin_prism", 12085},
+                                           HardRig{"ALooseLensHasOptimaAlongWhatViewsDoNotTell", "thin_prism", 5175}),
                          [](const auto& rig) { return std::string(rig.param.name); });
 
 }  // namespace

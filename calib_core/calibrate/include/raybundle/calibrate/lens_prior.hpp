@@ -10,14 +10,16 @@
 
 namespace raybundle {
 
-/// Weighs what is known of rational lenses before any corner is seen, by the state's noise and field: each coefficient
-/// of its radial profile is zero, with a sigma of 1, or of what moves the outermost corner by its own radius where that
-/// is more. Lenses from the rectilinear to the equidistant one (atan(r) / r) have coefficients of about 1 at most.
+/// Weighs what is known of some lenses before any corner is seen, by the state's noise and field. Each coefficient of
+/// the radial profile of a rational lens is zero, with a sigma of 1, or of what moves the outermost corner by its own
+/// radius where that is more: lenses from the rectilinear to the equidistant one (atan(r) / r) have coefficients of
+/// about 1 at most. Of other models what their definition says (kExpected): xi of a unified lens is 1 with a sigma
+/// of 1.
 ///
 /// Without it, numerator and denominator leave a nearly common factor open, whose pole the noise puts just beyond the
-/// outermost corner: for a gain in the cost of less than 1, a lens that is none, far from the truth, at the end of a
-/// valley along which a solve creeps. What the corners determine it does not touch; nothing, where they are exact.
-/// Models without a denominator have no prior.
+/// outermost corner, and xi runs away with the focal length: for a gain in the cost of less than 1, a lens that is
+/// none, far from the truth, at the end of a valley along which a solve creeps. What the corners determine it does not
+/// touch; nothing, where they are exact.
 ///
 /// Noise and field are rounded, so that a solve from elsewhere weighs alike.
 ///

@@ -17,6 +17,13 @@ struct ForeignName {
   std::string_view name;  ///< the name in that format
 };
 
+/// A coefficient that the others of a lens can nearly replace, and what is known of it before any corner is seen.
+struct ExpectedCoefficient {
+  std::string_view name;
+  double value;
+  double sigma;
+};
+
 /// A realistic camera of a model, for the law tests: shape parameters and the half field of view they are good for.
 template <int shape_size>
 struct ExampleShape {
@@ -32,6 +39,8 @@ struct ExampleShape {
 ///   static constexpr std::array<double, n> kStartShape;   a neutral start: the shape of an undistorted lens of its
 ///   kind static constexpr std::array kExamples{ExampleShape<n>{...}, ...}; static constexpr std::array
 ///   kForeignNames{ForeignName{...}, ...};
+///
+///   static constexpr std::array kExpected{ExpectedCoefficient{...}, ...};  where there are such coefficients
 ///
 ///   template <typename T>                              any scalar: double, ceres::Jet, ...
 ///   static bool plane_from_ray(const T* shape, const T* ray, T* plane);
