@@ -172,13 +172,21 @@ std::string reason_against_lens(const std::vector<PointsInView>& views, ImageSiz
 /// The start lens's rays in the model asked for, on the views that it was found with.
 LensGuess lens_in_model(ModelId model, ImageSize size, const std::vector<PointsInView>& chosen,
                         const LensGuess& start) {
-  LensGuess guess;
-  guess.parameters = fit_model(model, covered_field(chosen, start), start.parameters);
-  const LensFunctions lens = lens_functions(model);
-  guess.poses = start.poses;
-  guess.score_px = robust_score(lens, guess.parameters.data(), chosen, guess.poses);
-  polish(model, size, chosen, guess);
-  return guess;
+  const PointsInView field = covered_field(chosen, start);
+  const auto polished = [&](const LensVector& fit) {
+    LensGuess guess{fit, start.poses, 0.0};
+    guess.score_px = robust_score(lens_functions(model), fit.data(), chosen, guess.poses);
+    polish(model, size, chosen, guess);
+    return guess;
+  };
+  LensGuess best = polished(fit_model(model, field, start.parameters));
+  if (best.score_px <= kNearlyAsGood * start.score_px) return best;
+  // Some shapes hold a fit fast, like the one at which the derivative by a field of view's w vanishes.
+  for (const LensVector& fit : model_fits(model, field, best.parameters)) {
+    LensGuess other = polished(fit);
+    if (other.score_px < best.score_px) best = std::move(other);
+  }
+  return best;
 }
 
 /// Pixels for each radian at the middle of a lens: what fx is to a rectilinear one. 0 where it does not project.
