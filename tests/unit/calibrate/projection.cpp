@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "raybundle/geometry/rotation.hpp"
 
@@ -30,11 +31,22 @@ bool linearize(const Camera& camera, const Eigen::Vector3d& ray, Linearized& at)
   });
 }
 
+/// The turn that brings rays of a camera nearest to those that another one has for the same pixels.
+Eigen::Matrix3d turn_between(const Camera& reference, const Camera& other, const std::vector<Eigen::Vector3d>& rays) {
+  Eigen::Matrix3d correlation = 1e-12 * Eigen::Matrix3d::Identity();
+  for (const Eigen::Vector3d& ray : rays) {
+    const auto pixel = pixel_from_ray(reference, ray);
+    const auto of_other = pixel ? ray_from_pixel(other, *pixel) : std::nullopt;
+    if (of_other) correlation += *of_other * ray.transpose();
+  }
+  return nearest_rotation(correlation);
+}
+
 }  // namespace
 
 double projection_difference_px(const Camera& reference, const Camera& other,
                                 const std::vector<Eigen::Vector3d>& rays_in_reference) {
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d turn = turn_between(reference, other, rays_in_reference);
   double rms = std::numeric_limits<double>::infinity();
   Linearized at;
   for (int iteration = 0; iteration < 10; ++iteration) {
