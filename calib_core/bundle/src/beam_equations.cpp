@@ -7,8 +7,8 @@
 #include <atomic>
 #include <map>
 
-#include "raybundle/geometry/gram.hpp"
 #include "normal_equations.hpp"
+#include "raybundle/geometry/gram.hpp"
 
 namespace raybundle {
 namespace {

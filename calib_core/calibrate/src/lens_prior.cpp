@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,19 +39,26 @@ std::vector<ExpectedCoefficient> expected_of_ratio(ModelId model, double field_r
 // What a model's definition says.
 std::vector<ExpectedCoefficient> expected_of_model(ModelId model) {
   return with_model(model, []<CameraModel M>() -> std::vector<ExpectedCoefficient> {
-    if constexpr (requires { M::kExpected; }) return {M::kExpected.begin(), M::kExpected.end()};
+    if constexpr (requires { M::kExpected; }) {
+      static_assert(std::ranges::all_of(M::kExpected, [](const ExpectedCoefficient& coefficient) {
+        return std::ranges::find(M::kShapeNames, coefficient.name) != M::kShapeNames.end();
+      }));
+      return {M::kExpected.begin(), M::kExpected.end()};
+    }
     return {};
   });
 }
 
-// Of a camera's coefficients; none where its corners show no noise and no field.
+// Of a camera's coefficients; none without views, which would tell the noise.
 void add_priors(const CalibrationProblem& problem, const BundleState& state, int camera, double noise,
                 std::vector<ParameterRule>& priors) {
   const ModelId model = problem.cameras[camera].model;
   if (!std::isfinite(noise)) return;
-  const std::vector<ExpectedCoefficient> expected =
-      can_have_pole(model) ? expected_of_ratio(model, farthest_corner_rad(problem, state, camera))
-                           : expected_of_model(model);
+  std::vector<ExpectedCoefficient> expected = expected_of_model(model);
+  if (can_have_pole(model)) {
+    std::ranges::copy(expected_of_ratio(model, farthest_corner_rad(problem, state, camera)),
+                      std::back_inserter(expected));
+  }
   for (const ExpectedCoefficient& coefficient : expected) {
     priors.push_back({problem.cameras[camera].name + "." + std::string(coefficient.name), ParameterRule::Kind::kPrior,
                       coefficient.value, coefficient.sigma / rounded(std::max(noise, kLeastNoise))});

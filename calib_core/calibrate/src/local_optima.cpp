@@ -22,16 +22,14 @@ constexpr int kRounds = 6;              // from a lower optimum to the next
 constexpr double kAlikeSigmas = 3.0;    // two optima of the same corners differ by no more in where they project
 constexpr double kLeastAlikePx = 0.5;
 constexpr double kMostAlikePx = 20.0;
-constexpr double kWonBack = 25.0;        // squared sigmas that a turned board may cost at first
-constexpr std::size_t kMostTried = 8;    // boards that are turned one by one
-constexpr std::size_t kMostViews = 100;  // of which one could move the camera
-constexpr std::size_t kOfEachSide = 8;   // cameras along the valley
-constexpr double kLooseShare = 3e-4;     // of the image's longer side
-constexpr double kReadmitted = 4.0;      // times the limit of outliers
-constexpr double kMirroredGain = 1e-6;   // relative: by which a mirrored board's squares must be smaller
-
-// Beyond, views leave a lens so loose that it may have optima anywhere along what they do not tell.
-double loose_px(ImageSize size) { return kLooseShare * std::max(size.width, size.height); }
+constexpr double kWonBack = 25.0;          // squared sigmas that a turned board may cost at first
+constexpr std::size_t kMostTried = 8;      // boards that are turned one by one
+constexpr std::size_t kMostViews = 100;    // of which one could move the camera
+constexpr std::size_t kOfEachSide = 8;     // cameras along the valley
+constexpr double kLooseShare = 3e-4;       // of the image's longer side: a projection known no better is loose
+constexpr std::size_t kMostLoose = 10000;  // corners: so many leave a lens loose by how the boards are held
+constexpr double kReadmitted = 4.0;        // times the limit of outliers
+constexpr double kMirroredGain = 1e-6;     // relative: by which a mirrored board's squares must be smaller
 
 std::size_t count_used(const BundleState& state) {
   std::size_t used = 0;
@@ -158,6 +156,33 @@ bool readmit_corners(const CalibrationProblem& single, BundleState& state, const
   return true;
 }
 
+// Whether a lower optimum gains no more than noise may and leaves the lens open that was not.
+bool opens_for_noise(const CalibrationProblem& single, const BundleState& state, const CameraOptimum& here,
+                     const CameraOptimum& lower) {
+  const ImageSize size = state.cameras[0].size;
+  const double gain = here.summary.final_cost - lower.summary.final_cost;
+  const bool by_noise = 2.0 * gain < std::pow(kAlikeSigmas * robust_sigmas(single, state)[0], 2);
+  return by_noise && leaves_lens_open(size, lower.projection_sigma_px) &&
+         !leaves_lens_open(size, here.projection_sigma_px);
+}
+
+// Views that leave a lens loose may have optima anywhere along what they do not tell. Moves to a lower one.
+bool move_to_lower_of_loose(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
+                            CameraOptimum& optimum) {
+  const ImageSize size = state.cameras[0].size;
+  const bool loose = optimum.projection_sigma_px > kLooseShare * std::max(size.width, size.height);
+  if (!loose || count_used(state) > kMostLoose) return false;
+  CameraOptimum lower = optimum;
+  BundleState other = state;
+  std::vector<BundleState> others = states_along_weakest(single, state, options.threads);
+  if (!move_to_lower(single, other, std::move(others), options, lower.summary)) return false;
+  lower.projection_sigma_px = projection_sigma_px(single, other, options.threads);
+  if (opens_for_noise(single, state, optimum, lower)) return false;
+  state = std::move(other);
+  optimum = lower;
+  return true;
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector3d> rays_seen(const CalibrationProblem& single, const BundleState& state) {
@@ -175,11 +200,7 @@ bool move_to_lower_alike(const CalibrationProblem& single, BundleState& state, c
   const std::vector<Camera> alike = cameras_alike(single, state, optimum.projection_sigma_px);
   if (!move_to_lower(single, other, alike, options, lower.summary)) return false;
   lower.projection_sigma_px = projection_sigma_px(single, other, options.threads);
-  const double gain = optimum.summary.final_cost - lower.summary.final_cost;
-  const bool by_noise = 2.0 * gain < std::pow(kAlikeSigmas * robust_sigmas(single, state)[0], 2);
-  const bool opens = leaves_lens_open(state.cameras[0].size, lower.projection_sigma_px) &&
-                     !leaves_lens_open(state.cameras[0].size, optimum.projection_sigma_px);
-  if (by_noise && opens) return false;
+  if (opens_for_noise(single, state, optimum, lower)) return false;
   state = std::move(other);
   optimum = lower;
   return true;
@@ -216,9 +237,7 @@ CameraOptimum leave_local_optima(const CalibrationProblem& single, BundleState& 
     measure();
   }
   for (int round = 0; round < kRounds && !failed(); ++round) {
-    if (!(optimum.projection_sigma_px > loose_px(state.cameras[0].size))) break;
-    std::vector<BundleState> others = states_along_weakest(single, state, options.threads);
-    if (!move_to_lower(single, state, std::move(others), options, summary)) break;
+    if (!move_to_lower_of_loose(single, state, options, optimum)) break;
     summary = solve_without_outliers(single, state, options, false, reasons, summary);
     measure();
   }

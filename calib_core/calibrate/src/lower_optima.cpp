@@ -78,7 +78,7 @@ std::vector<OtherSolve> lower_optima(const CalibrationProblem& single, const Bun
   return solves;
 }
 
-// Whether there is one.
+// Moves to the lowest of them, if there is one; whether it did.
 bool take_lowest(std::vector<OtherSolve> lower, BundleState& state, BundleSummary& summary) {
   if (lower.empty()) return false;
   state = std::move(lower.front().state);

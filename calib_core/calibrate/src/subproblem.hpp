@@ -23,7 +23,8 @@ struct Subproblem {
 /// @param cameras  indices in ascending order; the first one's frame becomes the rig frame
 Subproblem select_cameras(const CalibrationProblem& whole, const std::vector<int>& cameras);
 
-/// The same with the corners taken out of the whole problem, whose views stay without them: nothing is held twice.
+/// The same with the views taken out of the whole problem, so that no corner is held twice: of what is left of them
+/// only camera, frame and target may be asked.
 Subproblem take_cameras(CalibrationProblem& whole, const std::vector<int>& cameras);
 
 /// Puts right the point ids of mislabelled views of symmetric boards.

@@ -5,7 +5,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
+#include <string_view>
 
 #include "raybundle/bundle/information.hpp"
 #include "raybundle/uncertainty/covariance.hpp"

@@ -26,6 +26,7 @@ constexpr double kShareOfViews = 0.7;     ///< a lens under which fewer views fi
 constexpr double kOffAxisWeight = 100.0;  ///< of a prior: 0.01 costs as much as one corner that is off by a pixel
 constexpr double kOtherFocal = 0.05;      ///< relative: lenses whose focal lengths differ by less are one
 constexpr double kNearlyAsGood = 1.2;     ///< times the best score: all corners decide
+constexpr double kExactPx = 0.02;         ///< no corner is measured better
 constexpr std::size_t kMostLenses = 3;    ///< that all corners decide between
 constexpr double kAlikeRad = 0.1;         ///< boards whose normals are within this of each other are held alike
 constexpr double kPlainFocal = 0.005;     ///< relative uncertainty of a lens that no other one is like
@@ -180,7 +181,8 @@ LensGuess lens_in_model(ModelId model, ImageSize size, const std::vector<PointsI
     return guess;
   };
   LensGuess best = polished(fit_model(model, field, start.parameters));
-  if (best.score_px <= kNearlyAsGood * start.score_px) return best;
+  const bool fits_as_well = best.score_px <= std::max(kNearlyAsGood * start.score_px, kExactPx);
+  if (fits_as_well || best.parameters.size() == 4) return best;
   // Some shapes hold a fit fast, like the one at which the derivative by a field of view's w vanishes.
   for (const LensVector& fit : model_fits(model, field, best.parameters)) {
     LensGuess other = polished(fit);

@@ -40,15 +40,15 @@ constexpr double kLastDecrease = 1e-5, kNoDecrease = 1e-6;
 void view_equations(const LensFunctions& lens, const double* parameters, const PointsInView& view, const Rigid3& pose,
                     const LensBundleOptions& options, ViewEquations& equations) {
   thread_local LensRows rows;
-  thread_local Eigen::MatrixXd of_axis;
+  thread_local Eigen::MatrixXd products;
   lens.linearise(parameters, view, pose, options.scale_px, rows);
   const int n = lens.parameters, error = n + 6;
   Eigen::Matrix<double, kMaxLensParameters + 7, kMaxLensParameters + 7> sums;
   sums.topLeftCorner(n + 7, n + 7).setZero();
   for (int axis = 0; axis < 2; ++axis) {
-    gram(rows.of_axis[axis], of_axis);
-    for (int b = 0; b < of_axis.cols(); ++b) {
-      for (int a = 0; a <= b; ++a) sums(LensRows::index(axis, a), LensRows::index(axis, b)) += of_axis(a, b);
+    gram(rows.of_axis[axis], products);
+    for (int b = 0; b < products.cols(); ++b) {
+      for (int a = 0; a <= b; ++a) sums(LensRows::index(axis, a), LensRows::index(axis, b)) += products(a, b);
     }
   }
   equations.lens.setZero(n, n);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "view_screen.hpp"
 
@@ -119,8 +120,9 @@ LensVector fit_model(ModelId model, const PointsInView& field, const LensVector&
   return best;
 }
 
-std::vector<LensVector> model_fits(ModelId model, const PointsInView& samples, const LensVector& known) {
+std::vector<LensVector> model_fits(ModelId model, const PointsInView& field, const LensVector& known) {
   const LensFunctions lens = lens_functions(model);
+  const PointsInView samples = thinned(field, kSamples);
   std::vector<LensVector> shapes = starting_shapes(model);
   const LensVector own = known.tail(shapes.front().size());
   for (const double times : kTimesOwnShape) shapes.push_back(times * own);

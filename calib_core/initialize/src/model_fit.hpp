@@ -17,7 +17,7 @@ LensVector fit_model(ModelId model, const PointsInView& field, const LensVector&
 
 /// The same from each of the model's start and example shapes and from near and far of a lens that is known: all the
 /// ways in which the model can describe it.
-std::vector<LensVector> model_fits(ModelId model, const PointsInView& samples, const LensVector& known);
+std::vector<LensVector> model_fits(ModelId model, const PointsInView& field, const LensVector& known);
 
 /// At most `count` of the rays that a camera projects, with their pixels; none when fewer than 20 are left to compare
 /// lenses on.

@@ -3,6 +3,7 @@
 #include "pose_refinement.hpp"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 #include "raybundle/camera/lanes.hpp"

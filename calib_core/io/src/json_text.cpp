@@ -25,18 +25,18 @@ OrderedJson json_from_pairs(const std::vector<std::pair<std::string, std::string
 /// How arrays are written, by their keys.
 struct Layout {
   const std::vector<std::string>& lines;
-  const LongArray& long_array;
+  const LongArray* long_array;
 };
 
 void append(const LongArray& array, std::size_t indent, std::string& text) {
+  if (array.size == 0) {
+    text += "[]";
+    return;
+  }
   for (std::size_t i = 0; i < array.size; ++i) {
     text += i == 0 ? "[\n" : ",\n";
     text.append(indent + 2, ' ');
     text += flat_text(array.entry(i));
-  }
-  if (array.size == 0) {
-    text += "[]";
-    return;
   }
   text += '\n';
   text.append(indent, ' ');
@@ -55,8 +55,8 @@ void append(const OrderedJson& value, const Layout& layout, bool one_a_line, std
     text += (first ? "\n" : ",\n") + margin;
     first = false;
     if (value.is_object()) text += flat_text(OrderedJson(item.key())) + ": ";
-    if (indent == 0 && value.is_object() && item.key() == layout.long_array.key) {
-      append(layout.long_array, indent + 2, text);
+    if (indent == 0 && layout.long_array && item.key() == layout.long_array->key) {
+      append(*layout.long_array, indent + 2, text);
     } else if (one_a_line || (value.is_array() && holds_plain_values(item.value()))) {
       text += flat_text(item.value());
     } else {
@@ -69,7 +69,7 @@ void append(const OrderedJson& value, const Layout& layout, bool one_a_line, std
 
 }  // namespace
 
-std::string pretty_text(const OrderedJson& value, const std::vector<std::string>& lines, const LongArray& long_array) {
+std::string pretty_text(const OrderedJson& value, const std::vector<std::string>& lines, const LongArray* long_array) {
   std::string text;
   append(value, {lines, long_array}, false, 0, text);
   text += '\n';

@@ -19,7 +19,7 @@ using OrderedJson = nlohmann::ordered_json;
 
 /// An array too long to be held as JSON: its entries are made one by one.
 struct LongArray {
-  std::string key;  ///< of the value's own, whose empty array it stands for
+  std::string key;  ///< at the top of the value, which holds an empty array there
   std::size_t size = 0;
   std::function<OrderedJson(std::size_t)> entry;
 };
@@ -30,7 +30,7 @@ struct LongArray {
 /// @param lines  keys of arrays whose entries are written one a line, whatever they hold
 /// @param long_array  one more of them
 std::string pretty_text(const OrderedJson& value, const std::vector<std::string>& lines = {},
-                        const LongArray& long_array = {});
+                        const LongArray* long_array = nullptr);
 
 OrderedJson json_from_vector(const Eigen::Ref<const Eigen::VectorXd>& values);
 OrderedJson json_from_rigid3(const Rigid3& b_from_a);

@@ -205,7 +205,8 @@ std::string text_from_report(const CalibrationProblem& problem, const Calibratio
     json["dot_columns"] = {"u_px", "v_px", "row", "column", "residual_u_px", "residual_v_px", "fate"};
   }
   for (const ReportSection& section : extra.sections) json[section.name] = OrderedJson::parse(section.json);
-  return pretty_text(json, {"beams"}, views_of(problem, result));
+  const LongArray views = views_of(problem, result);
+  return pretty_text(json, {"beams"}, &views);
 }
 
 void write_report(const std::filesystem::path& path, const CalibrationProblem& problem, const CalibrationResult& result,

@@ -111,11 +111,12 @@ TEST(LensPrior, KeepsAUnifiedLensFromRunningAway) {
 }
 
 TEST(LensPrior, OtherModelsHaveNone) {
-  testing::SyntheticOptions options;
-  const testing::SyntheticWorld world = testing::synthetic_world(options);
-  CalibrationProblem problem = world.problem;
-  EXPECT_FALSE(weigh_lens_priors(problem, true_state(world)));
-  EXPECT_TRUE(problem.lens_priors.empty());
+  for (const std::string_view model :
+       {"pinhole", "brown_conrady", "kannala_brandt", "double_sphere", "extended_unified", "field_of_view"}) {
+    testing::RandomRig rig = testing::random_rig(*model_named(model), 1);
+    EXPECT_FALSE(weigh_lens_priors(rig.problem, rig.truth)) << model;
+    EXPECT_TRUE(rig.problem.lens_priors.empty()) << model;
+  }
 }
 
 // Without the prior these 2800 noisy corners are fitted best with a pole just beyond the outermost of them.

@@ -115,6 +115,18 @@ TEST(Report, KeepsEveryObservationWithResidualAndFate) {
   EXPECT_EQ(report["views"][1]["pose"], -1);
 }
 
+TEST(Report, HasALineForEachView) {
+  CalibrationProblem problem = small_observations().problem;
+  const std::string text = text_from_report(problem, result_for(problem));
+  const std::size_t begin = text.find("\"views\": [\n"), end = text.find("\n  ]", begin);
+  ASSERT_LT(begin, end);
+  EXPECT_EQ(std::count(text.begin() + static_cast<std::ptrdiff_t>(begin),
+                       text.begin() + static_cast<std::ptrdiff_t>(end), '\n'),
+            std::ssize(problem.views));
+  problem.views.clear();
+  EXPECT_THAT(text_from_report(problem, CalibrationResult{}), HasSubstr("\"views\": []"));
+}
+
 TEST(Report, ASectionKeepsViewsOfItsOwn) {
   const CalibrationProblem problem = small_observations().problem;
   ReportExtra extra;

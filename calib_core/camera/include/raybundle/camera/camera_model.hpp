@@ -49,7 +49,7 @@ struct ExampleShape {
 ///   static bool plane_from_ray(const double* shape, const double* ray, double* plane,
 ///                              double* plane_wrt_ray /* 2×3 row-major */, double* plane_wrt_shape /* 2×n row-major
 ///                              */);
-///     the same with analytic Jacobians; a template on the scalar lets the bundle project several corners at once
+///     the same with analytic Jacobians; a template on the scalar lets start and bundle take several corners at once
 ///
 ///   static bool ray_from_plane(const double* shape, const double* plane, double* ray);
 ///     unit vector, exact to 1e-12; false where no ray projects to the point
