@@ -132,8 +132,8 @@ double surprise(const Points2& board, const Points2& pixels, std::size_t i, cons
   for (std::size_t a = 0; a < near.count; ++a) {
     for (std::size_t b = a + 1; b < near.count; ++b) {
       for (std::size_t c = b + 1; c < near.count; ++c) {
-        const Eigen::Vector2d origin = board[near.index[a]];
-        const Eigen::Vector2d origin_px = pixels[near.index[a]];
+        const Eigen::Vector2d& origin = board[near.index[a]];
+        const Eigen::Vector2d& origin_px = pixels[near.index[a]];
         Eigen::Matrix2d sides;
         sides << board[near.index[b]] - origin, board[near.index[c]] - origin;
         if (std::abs(sides.determinant()) < 0.05 * near.reach2) continue;
