@@ -46,8 +46,8 @@ std::string report_page(const std::string& report_json, const std::string& image
   std::size_t size = kReportTemplate.size() + kReportStyle.size() + report_json.size();
   for (const std::string_view piece : kReportScript) size += piece.size();
   std::string page;
-  page.reserve(size +
-               size / 64);  // of a report that may be long; the little more is for what has to be spelt otherwise
+  // A report may be long; the little more is for what has to be spelt otherwise.
+  page.reserve(size + size / 64);
   std::string_view rest = kReportTemplate;
   for (std::size_t begin = rest.find("{{"); begin != rest.npos; begin = rest.find("{{")) {
     const std::size_t end = rest.find("}}", begin);

@@ -27,21 +27,11 @@ template <CameraModel M, typename Number>
 template <CameraModel M>
 RAYBUNDLE_TARGET_CLONES [[gnu::flatten]] void project(const double* shape, const Eigen::MatrixX3d& rays,
                                                       Eigen::MatrixX2d& plane) {
-  Eigen::Index row = 0;
-  if constexpr (TakesLanes<M>) {
-    for (; row + Lanes::kCount <= rays.rows(); row += Lanes::kCount) {
-      Lanes::disagreed = false;
-      if (project_at<M, Lanes>(shape, rays, row, plane) && !Lanes::disagreed) continue;
-      for (int lane = 0; lane < Lanes::kCount; ++lane) {
-        if (project_at<M, double>(shape, rays, row + lane, plane)) continue;
-        plane.row(row + lane).setConstant(std::numeric_limits<double>::quiet_NaN());
-      }
-    }
-  }
-  for (; row < rays.rows(); ++row) {
-    if (project_at<M, double>(shape, rays, row, plane)) continue;
-    plane.row(row).setConstant(std::numeric_limits<double>::quiet_NaN());
-  }
+  for_each_in_lanes<TakesLanes<M>>(
+      rays.rows(),
+      [&]<typename Number>(Eigen::Index row)
+          __attribute__((always_inline)) { return project_at<M, Number>(shape, rays, row, plane); },
+      [&](Eigen::Index row) { plane.row(row).setConstant(std::numeric_limits<double>::quiet_NaN()); });
 }
 
 }  // namespace

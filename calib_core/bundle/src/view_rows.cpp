@@ -58,20 +58,13 @@ template <CameraModel M, typename Number>
 template <CameraModel M>
 RAYBUNDLE_TARGET_CLONES [[gnu::flatten]] bool project(const ViewData& view, const ViewPoint& point,
                                                       const MotionMap& map, Corners& corners, ViewRows& rows) {
-  Eigen::Index i = 0;
-  if constexpr (TakesLanes<M>) {
-    for (; i + Lanes::kCount <= rows.corners; i += Lanes::kCount) {
-      Lanes::disagreed = false;
-      if (project_at<M, Lanes>(i, view, point, map, corners, rows) && !Lanes::disagreed) continue;
-      for (int lane = 0; lane < Lanes::kCount; ++lane) {
-        if (!project_at<M, double>(i + lane, view, point, map, corners, rows)) return false;
-      }
-    }
-  }
-  for (; i < rows.corners; ++i) {
-    if (!project_at<M, double>(i, view, point, map, corners, rows)) return false;
-  }
-  return true;
+  bool all = true;
+  for_each_in_lanes<TakesLanes<M>>(
+      static_cast<Eigen::Index>(rows.corners),
+      [&]<typename Number>(Eigen::Index i)
+          __attribute__((always_inline)) { return project_at<M, Number>(i, view, point, map, corners, rows); },
+      [&](Eigen::Index) { all = false; });
+  return all;
 }
 
 // Cauchy: ρ(s) = c² log(1 + s / c²), ρ'(s) = 1 / (1 + s / c²); plain least squares for c = 0.

@@ -9,6 +9,7 @@
 #include "board_sizes.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "robust_solve.hpp"
+#include "subproblem.hpp"
 
 namespace raybundle {
 namespace {
@@ -16,19 +17,9 @@ namespace {
 constexpr int kMaxTieReviews = 10;
 constexpr double kSmallestShareKept = 0.25;  // of the frames that could tie the cameras
 
-CalibrationProblem with_fixed_intrinsics(const CalibrationProblem& problem, const BundleState& state) {
-  CalibrationProblem fixed = problem;
-  fixed.rules.push_back({"*.intrinsics", ParameterRule::Kind::kFixed, {}, 0.0});
-  // A fixed parameter goes to the problem's start, which is not what is to be held here.
-  for (std::size_t c = 0; c < state.cameras.size(); ++c) fixed.cameras[c].parameters = state.cameras[c].parameters;
-  return fixed;
-}
-
 BundleSummary solve_and_review_ties(const CalibrationProblem& problem, BundleState& state,
                                     const CalibrateOptions& options, TieReview& ties) {
-  BundleOptions bundle;
-  bundle.max_iterations = options.max_iterations;
-  bundle.threads = options.threads;
+  const BundleOptions bundle = bundle_options(options);
   BundleSummary summary;
   for (int round = 0; round < kMaxTieReviews; ++round) {
     ties.share_kept = std::max(kSmallestShareKept, 1.0 - kSmallestShareKept * (round + 1));  // the worst frames first
@@ -96,8 +87,7 @@ constexpr double kSmallestGain = 0.02;  // in the sum of squares, of a bent boar
 // nearly all of a small bend's gain and most of a large one's.
 bool shape_may_pay(const CalibrationProblem& problem, const BundleState& flat, const CalibrateOptions& options) {
   BundleState bent = flat;
-  BundleOptions bundle;
-  bundle.threads = options.threads;
+  BundleOptions bundle = bundle_options(options);
   bundle.max_iterations = 1;
   bundle.estimate_shape = true;
   const BundleSummary summary = solve_bundle(problem, bent, bundle);

@@ -45,27 +45,32 @@ Slopes slopes_of(const Camera& camera, const std::vector<Eigen::Vector3d>& rays)
 
 }  // namespace
 
-double projection_sigma_px(const CalibrationProblem& single, const BundleState& state, int threads) {
-  const Camera& camera = state.cameras[0];
-  const std::vector<Eigen::Vector3d> rays = rays_seen(single, state);
-  if (rays.empty()) return 0.0;
+Eigen::MatrixXd covariance_of_lens(const CalibrationProblem& single, const BundleState& state, int threads) {
   BundleOptions bundle;
   bundle.threads = threads;
-  const CovarianceResult known = covariance(reduced_information(single, state, bundle));
-  const Slopes slopes = slopes_of(camera, rays);
-  // Columns of the intrinsics that were estimated, in the order of the covariance; others are known.
-  const std::vector<std::string_view> names = parameter_names(camera.model);
-  const auto count = static_cast<Eigen::Index>(known.covariance.names.size());
-  Eigen::MatrixXd by_estimated = Eigen::MatrixXd::Zero(slopes.by_turn.rows(), count);
-  for (Eigen::Index k = 0; k < count; ++k) {
-    const std::string& name = known.covariance.names[static_cast<std::size_t>(k)];
-    const auto found = std::ranges::find_if(names, [&](std::string_view parameter) {
-      return name == single.cameras[0].name + "." + std::string(parameter);
-    });
-    if (found != names.end()) by_estimated.col(k) = slopes.by_parameters.col(found - names.begin());
+  const Covariance known = covariance(reduced_information(single, state, bundle)).covariance;
+  const std::vector<std::string_view> names = parameter_names(state.cameras[0].model);
+  std::vector<Eigen::Index> at;  // in the covariance; past its end where it has none
+  for (const std::string_view name : names) {
+    at.push_back(std::ranges::find(known.names, single.cameras[0].name + "." + std::string(name)) -
+                 known.names.begin());
   }
-  by_estimated -= slopes.by_turn * slopes.by_turn.colPivHouseholderQr().solve(by_estimated);
-  const double sum = (by_estimated * known.covariance.matrix).cwiseProduct(by_estimated).sum();
+  Eigen::MatrixXd of_lens = Eigen::MatrixXd::Zero(std::ssize(names), std::ssize(names));
+  for (std::size_t row = 0; row < names.size(); ++row) {
+    for (std::size_t column = 0; column < names.size(); ++column) {
+      if (std::max(at[row], at[column]) >= known.matrix.rows()) continue;
+      of_lens(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column)) = known.matrix(at[row], at[column]);
+    }
+  }
+  return of_lens;
+}
+
+double projection_sigma_px(const CalibrationProblem& single, const BundleState& state, int threads) {
+  const std::vector<Eigen::Vector3d> rays = rays_seen(single, state);
+  if (rays.empty()) return 0.0;
+  auto [by_parameters, by_turn] = slopes_of(state.cameras[0], rays);
+  by_parameters -= by_turn * by_turn.colPivHouseholderQr().solve(by_parameters);
+  const double sum = (by_parameters * covariance_of_lens(single, state, threads)).cwiseProduct(by_parameters).sum();
   return std::sqrt(std::max(0.0, sum) / static_cast<double>(rays.size()));
 }
 

@@ -6,6 +6,9 @@
 
 namespace raybundle {
 
+/// Covariance of a solved camera's intrinsics, in the order of its model; zero for those that were not estimated.
+Eigen::MatrixXd covariance_of_lens(const CalibrationProblem& single, const BundleState& state, int threads);
+
 /// How well a solved camera knows where it projects the corners that it has seen: root mean square [px] of what the
 /// covariance of its intrinsics says, less the common turn that the boards' poses take up.
 double projection_sigma_px(const CalibrationProblem& single, const BundleState& state, int threads);

@@ -93,9 +93,7 @@ bool try_mirrored_boards(const CalibrationProblem& single, BundleState& state, s
   std::erase_if(mirrored, [](const Mirrored& board) { return !(board.growth < kWonBack); });
   std::ranges::stable_sort(mirrored, {}, &Mirrored::growth);
   if (mirrored.size() > kMostTried) mirrored.resize(kMostTried);
-  BundleOptions bundle;
-  bundle.max_iterations = options.max_iterations;
-  bundle.threads = options.threads;
+  const BundleOptions bundle = bundle_options(options);
   bool turned = false;
   for (const Mirrored& board : mirrored) {
     BundleState other = state;
@@ -142,10 +140,7 @@ bool readmit_corners(const CalibrationProblem& single, BundleState& state, const
     }
   }
   if (count_used(other) == count_used(state)) return false;
-  BundleOptions bundle;
-  bundle.max_iterations = options.max_iterations;
-  bundle.threads = options.threads;
-  if (solve_bundle(single, other, bundle).termination == Termination::kFailed) return false;
+  if (solve_bundle(single, other, bundle_options(options)).termination == Termination::kFailed) return false;
   std::vector<std::string> other_reasons = reasons;
   const BundleSummary of_other = solve_without_outliers(single, other, options, false, other_reasons);
   if (of_other.termination == Termination::kFailed || count_used(other) <= count_used(state)) return false;
@@ -166,21 +161,30 @@ bool opens_for_noise(const CalibrationProblem& single, const BundleState& state,
          !leaves_lens_open(size, here.projection_sigma_px);
 }
 
+// Goes where `move` leads, unless that opens the lens for noise.
+template <typename Move>
+bool move_to_lower_by(const Move& move, const CalibrationProblem& single, BundleState& state,
+                      const CalibrateOptions& options, CameraOptimum& optimum) {
+  CameraOptimum lower = optimum;
+  BundleState other = state;
+  if (!move(other, lower.summary)) return false;
+  lower.projection_sigma_px = projection_sigma_px(single, other, options.threads);
+  if (opens_for_noise(single, state, optimum, lower)) return false;
+  state = std::move(other);
+  optimum = lower;
+  return true;
+}
+
 // Views that leave a lens loose may have optima anywhere along what they do not tell. Moves to a lower one.
 bool move_to_lower_of_loose(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
                             CameraOptimum& optimum) {
   const ImageSize size = state.cameras[0].size;
   const bool loose = optimum.projection_sigma_px > kLooseShare * std::max(size.width, size.height);
   if (!loose || count_used(state) > kMostLoose) return false;
-  CameraOptimum lower = optimum;
-  BundleState other = state;
-  std::vector<BundleState> others = states_along_weakest(single, state, options.threads);
-  if (!move_to_lower(single, other, std::move(others), options, lower.summary)) return false;
-  lower.projection_sigma_px = projection_sigma_px(single, other, options.threads);
-  if (opens_for_noise(single, state, optimum, lower)) return false;
-  state = std::move(other);
-  optimum = lower;
-  return true;
+  const auto move = [&](BundleState& other, BundleSummary& summary) {
+    return move_to_lower(single, other, states_along_weakest(single, other, options.threads), options, summary);
+  };
+  return move_to_lower_by(move, single, state, options, optimum);
 }
 
 }  // namespace
@@ -195,15 +199,11 @@ std::vector<Eigen::Vector3d> rays_seen(const CalibrationProblem& single, const B
 
 bool move_to_lower_alike(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
                          CameraOptimum& optimum) {
-  CameraOptimum lower = optimum;
-  BundleState other = state;
-  const std::vector<Camera> alike = cameras_alike(single, state, optimum.projection_sigma_px);
-  if (!move_to_lower(single, other, alike, options, lower.summary)) return false;
-  lower.projection_sigma_px = projection_sigma_px(single, other, options.threads);
-  if (opens_for_noise(single, state, optimum, lower)) return false;
-  state = std::move(other);
-  optimum = lower;
-  return true;
+  const auto move = [&](BundleState& other, BundleSummary& summary) {
+    const std::vector<Camera> alike = cameras_alike(single, other, optimum.projection_sigma_px);
+    return move_to_lower(single, other, alike, options, summary);
+  };
+  return move_to_lower_by(move, single, state, options, optimum);
 }
 
 std::vector<std::optional<Rigid3>> mirrored_boards(const CalibrationProblem& single, const BundleState& state) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "raybundle/calibrate/lens_domain.hpp"
+#include "robust_solve.hpp"
 
 namespace raybundle {
 namespace {
@@ -91,9 +92,7 @@ bool take_lowest(std::vector<OtherSolve> lower, BundleState& state, BundleSummar
 bool move_to_lower(const CalibrationProblem& single, BundleState& state, const std::vector<Camera>& others,
                    const CalibrateOptions& options, BundleSummary& summary) {
   if (others.empty()) return false;
-  BundleOptions bundle;
-  bundle.threads = options.threads;
-  bundle.max_iterations = options.max_iterations;
+  const BundleOptions bundle = bundle_options(options);
   BundleState fewer = with_fewer_views(state);
   const bool all = fewer.pose_of_view == state.pose_of_view;
   const double cost = all ? summary.final_cost : solve_bundle(single, fewer, bundle).final_cost;
@@ -107,10 +106,8 @@ bool move_to_lower(const CalibrationProblem& single, BundleState& state, const s
 
 bool move_to_lower(const CalibrationProblem& single, BundleState& state, std::vector<BundleState> others,
                    const CalibrateOptions& options, BundleSummary& summary) {
-  BundleOptions bundle;
-  bundle.threads = options.threads;
-  bundle.max_iterations = options.max_iterations;
-  return take_lowest(lower_optima(single, state, summary.final_cost, std::move(others), bundle), state, summary);
+  const double cost = summary.final_cost;
+  return take_lowest(lower_optima(single, state, cost, std::move(others), bundle_options(options)), state, summary);
 }
 
 }  // namespace raybundle

@@ -42,13 +42,6 @@ Distances whitened_distances(const CalibrationProblem& problem, const BundleStat
   return distances;
 }
 
-BundleOptions bundle_options(const CalibrateOptions& options) {
-  BundleOptions bundle;
-  bundle.max_iterations = options.max_iterations;
-  bundle.threads = options.threads;
-  return bundle;
-}
-
 // Pose of the view's board in its frame as other views in use see it, of several the one that the view fits best; -1
 // when there is none.
 int shared_pose(const CalibrationProblem& problem, BundleState state, int view) {
@@ -144,6 +137,13 @@ std::vector<double> sigmas_of(const CalibrationProblem& problem, const BundleSta
 }
 
 }  // namespace
+
+BundleOptions bundle_options(const CalibrateOptions& options) {
+  BundleOptions bundle;
+  bundle.max_iterations = options.max_iterations;
+  bundle.threads = options.threads;
+  return bundle;
+}
 
 std::vector<double> robust_sigmas(const CalibrationProblem& problem, const BundleState& state) {
   return sigmas_of(problem, state, whitened_distances(problem, state));

@@ -10,6 +10,9 @@
 
 namespace raybundle {
 
+/// A plain solve's options, as calibrate() was asked.
+BundleOptions bundle_options(const CalibrateOptions& options);
+
 /// Robust standard deviation of each camera's whitened residuals per coordinate: the median distance over that of a
 /// standard normal in two dimensions (1.1774), and that times the root of values per degree of freedom: the lens and
 /// the poses fit a part of the noise, of views with few corners most of it. Infinite for a camera without used views.

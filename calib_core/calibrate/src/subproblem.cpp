@@ -62,6 +62,14 @@ Subproblem take_cameras(CalibrationProblem& whole, const std::vector<int>& camer
   return select(whole, cameras, [&](std::size_t v) { return std::move(whole.views[v]); });
 }
 
+CalibrationProblem with_fixed_intrinsics(const CalibrationProblem& problem, const BundleState& state) {
+  CalibrationProblem fixed = problem;
+  fixed.rules.push_back({"*.intrinsics", ParameterRule::Kind::kFixed, {}, 0.0});
+  // A fixed parameter goes to the problem's start, which is not what is to be held here.
+  for (std::size_t c = 0; c < state.cameras.size(); ++c) fixed.cameras[c].parameters = state.cameras[c].parameters;
+  return fixed;
+}
+
 void relabel(CalibrationProblem& problem, const std::vector<int>& symmetry_of_view) {
   for (std::size_t v = 0; v < problem.views.size(); ++v) {
     if (symmetry_of_view[v] < 0) continue;

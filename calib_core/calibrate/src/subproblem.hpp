@@ -27,6 +27,9 @@ Subproblem select_cameras(const CalibrationProblem& whole, const std::vector<int
 /// only camera, frame and target may be asked.
 Subproblem take_cameras(CalibrationProblem& whole, const std::vector<int>& cameras);
 
+/// The problem with the state's intrinsics, which are not to move.
+CalibrationProblem with_fixed_intrinsics(const CalibrationProblem& problem, const BundleState& state);
+
 /// Puts right the point ids of mislabelled views of symmetric boards.
 ///
 /// @param symmetry_of_view  as in RigStart

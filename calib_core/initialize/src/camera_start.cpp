@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <span>
 
 #include "lens_search.hpp"
@@ -44,26 +45,17 @@ struct CameraViews {
 };
 
 CameraViews views_of(const CalibrationProblem& problem, int camera) {
-  CameraViews views;
-  std::vector<int> unusable;
-  const auto add = [&](int v, PointsInView corners) {
-    views.index.push_back(v);
-    views.corners.push_back(std::move(corners));
-  };
-  const auto corners_of = [&](int v) {
-    return points_in_view(problem.targets[problem.views[v].target], problem.views[v]);
-  };
-  for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
+  CameraViews views, unusable;
+  for (std::size_t v = 0; v < problem.views.size(); ++v) {
     if (problem.views[v].camera != camera) continue;
-    PointsInView corners = corners_of(v);
-    if (usable(corners)) {
-      add(v, std::move(corners));
-    } else {
-      unusable.push_back(v);
-    }
+    PointsInView corners = points_in_view(problem.targets[problem.views[v].target], problem.views[v]);
+    CameraViews& among = usable(corners) ? views : unusable;
+    among.index.push_back(static_cast<int>(v));
+    among.corners.push_back(std::move(corners));
   }
   views.usable_views = views.corners.size();
-  for (const int v : unusable) add(v, corners_of(v));
+  std::ranges::copy(unusable.index, std::back_inserter(views.index));
+  std::ranges::move(unusable.corners, std::back_inserter(views.corners));
   return views;
 }
 

@@ -67,24 +67,6 @@ template <typename Number>
   }
 }
 
-/// Calls `take` for as many corners at once as there are lanes where the model takes them, and one by one for those
-/// that are left and where the lanes have no common answer; calls `miss` for every corner that it cannot take.
-template <CameraModel M, typename Take, typename Miss>
-[[gnu::always_inline]] inline void for_corners(std::size_t corners, const Take& take, const Miss& miss) {
-  const auto take_one = [&](std::size_t i) {
-    if (!take.template operator()<double>(i)) miss(i);
-  };
-  std::size_t i = 0;
-  if constexpr (TakesLanes<M>) {
-    for (; i + Lanes::kCount <= corners; i += Lanes::kCount) {
-      Lanes::disagreed = false;
-      if (take.template operator()<Lanes>(i) && !Lanes::disagreed) continue;
-      for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) take_one(i + lane);
-    }
-  }
-  for (; i < corners; ++i) take_one(i);
-}
-
 template <CameraModel M, typename Number>
 [[gnu::always_inline]] inline bool squared_distance(const Seen& seen, std::size_t i, double* distance2) {
   const double* parameters = seen.parameters;
@@ -101,7 +83,7 @@ template <CameraModel M, typename Number>
 
 template <CameraModel M>
 RAYBUNDLE_TARGET_CLONES [[gnu::flatten]] void squared_distances(const Seen& seen, double* distances2) {
-  for_corners<M>(
+  for_each_in_lanes<TakesLanes<M>>(
       seen.view.points.size(),
       [&]<typename Number>(std::size_t i)
           __attribute__((always_inline)) { return squared_distance<M, Number>(seen, i, distances2 + i); },
@@ -145,7 +127,7 @@ template <CameraModel M, typename Number>
 
 template <CameraModel M>
 RAYBUNDLE_TARGET_CLONES [[gnu::flatten]] void linearise(const Seen& seen, double scale2, LensRows& rows) {
-  for_corners<M>(
+  for_each_in_lanes<TakesLanes<M>>(
       seen.view.points.size(),
       [&]<typename Number>(std::size_t i)
           __attribute__((always_inline)) { return linearise_at<M, Number>(seen, i, scale2, rows); },

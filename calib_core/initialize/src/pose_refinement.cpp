@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "raybundle/camera/lanes.hpp"
 #include "raybundle/geometry/target_clones.hpp"
@@ -112,19 +113,15 @@ template <bool kWithEquations>
 RAYBUNDLE_TARGET_CLONES [[gnu::flatten]] void add_all(std::span<const Eigen::Vector3d> points,
                                                       std::span<const Eigen::Vector3d> rays, const ChordPoint& at,
                                                       ChordSums<Lanes>& of_lanes, ChordSums<double>& sums) {
-  const auto add_one = [&](std::size_t i) {
-    // A board point in the centre of projection has no direction.
-    if (!add_pairs<kWithEquations>(&points[i], &rays[i], at, sums)) {
-      sums.cost += at.scale > 0 ? at.scale * at.scale : 4.0;
-    }
-  };
-  std::size_t i = 0;
-  for (; i + Lanes::kCount <= points.size(); i += Lanes::kCount) {
-    Lanes::disagreed = false;
-    if (add_pairs<kWithEquations>(&points[i], &rays[i], at, of_lanes)) continue;
-    for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) add_one(i + lane);
-  }
-  for (; i < points.size(); ++i) add_one(i);
+  for_each_in_lanes<true>(
+      points.size(),
+      [&]<typename Number>(std::size_t i) __attribute__((always_inline)) {
+        if constexpr (std::is_same_v<Number, Lanes>)
+          return add_pairs<kWithEquations>(&points[i], &rays[i], at, of_lanes);
+        return add_pairs<kWithEquations>(&points[i], &rays[i], at, sums);
+      },
+      // A board point in the centre of projection has no direction.
+      [&](std::size_t) { sums.cost += at.scale > 0 ? at.scale * at.scale : 4.0; });
 }
 
 /// Cost of a pose, and its equations when asked for.

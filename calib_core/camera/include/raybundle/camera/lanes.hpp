@@ -110,4 +110,24 @@ concept TakesLanes = requires(const Lanes* in, Lanes* out) {
   M::plane_from_ray(in, in, out, out, out);
 };
 
+/// Calls `take` with the first of as many as there are lanes, where it takes lanes at all, and one by one for those
+/// that are left and where the lanes have no common answer; calls `miss` for each that it cannot take.
+///
+/// @param take  a template on the number, always inline: bool <Number>(index)
+template <bool in_lanes, typename Index, typename Take, typename Miss>
+[[gnu::always_inline]] inline void for_each_in_lanes(Index count, const Take& take, const Miss& miss) {
+  const auto take_one = [&](Index i) __attribute__((always_inline)) {
+    if (!take.template operator()<double>(i)) miss(i);
+  };
+  Index i = 0;
+  if constexpr (in_lanes) {
+    for (; i + Lanes::kCount <= count; i += Lanes::kCount) {
+      Lanes::disagreed = false;
+      if (take.template operator()<Lanes>(i) && !Lanes::disagreed) continue;
+      for (int lane = 0; lane < Lanes::kCount; ++lane) take_one(i + lane);
+    }
+  }
+  for (; i < count; ++i) take_one(i);
+}
+
 }  // namespace raybundle
