@@ -35,7 +35,7 @@ double view_cost(const LensFunctions& lens, const double* parameters, const Poin
 }
 
 // Of the cost: an iteration that lowers it by less is the last one; one that promises less is not tried.
-constexpr double kLastDecrease = 1e-5, kNoDecrease = 1e-6;
+constexpr double kLastDecrease = 1e-4, kNoDecrease = 1e-6;
 
 void view_equations(const LensFunctions& lens, const double* parameters, const PointsInView& view, const Rigid3& pose,
                     const LensBundleOptions& options, ViewEquations& equations) {

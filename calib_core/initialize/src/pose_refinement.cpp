@@ -163,7 +163,7 @@ double refine_on_rays(std::span<const Eigen::Vector3d> points_in_target,
     while (!improved && lambda < 1e8) {
       Matrix6 damped = equations.hessian;
       damped.diagonal() *= 1.0 + lambda;
-      const Vector6 step = damped.ldlt().solve(-equations.gradient);
+      const Vector6 step = damped.llt().solve(-equations.gradient);
       const double decrease = -equations.gradient.dot(step);  // that the equations promise
       if (!(std::abs(decrease) > kNoDecrease * cost)) break;
       const Rigid3 moved = perturbed(pose, step);
