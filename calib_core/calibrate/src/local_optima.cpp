@@ -230,18 +230,19 @@ CameraOptimum leave_local_optima(const CalibrationProblem& single, BundleState& 
   const auto measure = [&] {
     optimum.projection_sigma_px = failed() ? std::nan("") : projection_sigma_px(single, state, options.threads);
   };
-  measure();
-  for (int round = 0; round < kRounds && !failed(); ++round) {
-    if (!move_to_lower_alike(single, state, options, optimum)) break;
-    summary = solve_without_outliers(single, state, options, false, reasons, summary);
+  const auto descend_by = [&](const auto& move) {
+    for (int round = 0; round < kRounds && !failed() && move(single, state, options, optimum); ++round) {
+      summary = solve_without_outliers(single, state, options, false, reasons, summary);
+      measure();
+    }
+  };
+  const auto descend = [&] {
     measure();
-  }
-  for (int round = 0; round < kRounds && !failed(); ++round) {
-    if (!move_to_lower_of_loose(single, state, options, optimum)) break;
-    summary = solve_without_outliers(single, state, options, false, reasons, summary);
-    measure();
-  }
-  if (!failed() && readmit_corners(single, state, options, reasons, summary)) measure();
+    descend_by(move_to_lower_alike);
+    descend_by(move_to_lower_of_loose);
+  };
+  descend();
+  if (!failed() && readmit_corners(single, state, options, reasons, summary)) descend();
   return optimum;
 }
 
