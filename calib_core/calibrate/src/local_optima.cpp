@@ -22,7 +22,7 @@ constexpr int kRounds = 6;              // from a lower optimum to the next
 constexpr double kAlikeSigmas = 3.0;    // two optima of the same corners differ by no more in where they project
 constexpr double kLeastAlikePx = 0.5;
 constexpr double kMostAlikePx = 20.0;
-constexpr double kWonBack = 25.0;          // squared sigmas that a turned board may cost at first
+constexpr double kWonBack = 1000.0;        // squared sigmas that a turned board may cost at first
 constexpr std::size_t kMostTried = 8;      // boards that are turned one by one
 constexpr std::size_t kMostViews = 100;    // of which one could move the camera
 constexpr std::size_t kOfEachSide = 8;     // cameras along the valley
@@ -224,7 +224,10 @@ CameraOptimum leave_local_optima(const CalibrationProblem& single, BundleState& 
     if (failed()) return optimum;
     mirrored = mirrored_of(single, state);
   }
-  if (try_mirrored_boards(single, state, std::move(mirrored), options, summary)) {
+  // The camera that one board had bent may have kept another one from turning.
+  for (int round = 0; round < kRounds && !failed(); ++round) {
+    if (round > 0) mirrored = mirrored_of(single, state);
+    if (!try_mirrored_boards(single, state, std::move(mirrored), options, summary)) break;
     summary = solve_without_outliers(single, state, options, false, reasons, summary);
   }
   const auto measure = [&] {

@@ -94,6 +94,12 @@ Rigid3 trembling(Draw& draw, const Rigid3& pose) {
   return perturbed(pose, motion);
 }
 
+/// Whether a pixel sees a ray: where prism terms fold an image over itself it sees another one as well, as no glass does.
+bool sees(const Camera& camera, const Eigen::Vector2d& pixel, const Eigen::Vector3d& ray) {
+  const auto seen = ray_from_pixel(camera, pixel);
+  return seen && seen->dot(ray.normalized()) > 1.0 - 1e-9;
+}
+
 /// The corners that a lens shows of a board, exactly where they are.
 TargetView exact_view(const Camera& camera, double half_field_rad, const Target& target, const Rigid3& pose) {
   TargetView view;
@@ -104,6 +110,7 @@ TargetView exact_view(const Camera& camera, double half_field_rad, const Target&
     if (!pixel || pixel->minCoeff() < 0 || pixel->x() > camera.size.width - 1 || pixel->y() > camera.size.height - 1) {
       continue;
     }
+    if (!sees(camera, *pixel, x)) continue;
     view.observations.push_back({*pixel, 1.0, point.id});
   }
   return view;
