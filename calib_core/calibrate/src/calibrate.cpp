@@ -69,13 +69,14 @@ void warn_of_folds(const CalibrationProblem& problem, const BundleState& state, 
 
 // What the cameras tell together may bend a lens so that it ends among its corners.
 void keep_lenses_beyond_corners(CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
-                                std::vector<std::string>& reasons, JointSolve& solve) {
+                                const std::vector<double>& sigmas_alone, std::vector<std::string>& reasons,
+                                JointSolve& solve) {
   const auto solve_again = [&](const CalibrationProblem& simpler, BundleState& of_simpler) {
-    return solve_jointly(simpler, of_simpler, options, reasons).summary;
+    return solve_jointly(simpler, of_simpler, options, sigmas_alone, reasons).summary;
   };
   for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
     if (!give_up_coefficients(problem, state, c, solve.summary, solve_again)) continue;
-    solve = solve_jointly(problem, state, options, reasons, solve.summary);
+    solve = solve_jointly(problem, state, options, sigmas_alone, reasons, solve.summary);
   }
 }
 
@@ -145,6 +146,8 @@ CalibrationResult calibrate_in_order(CalibrationProblem problem, const Calibrate
   std::vector<std::optional<Rigid3>> camera_from_target, mirrored;
   std::vector<std::vector<ObservationFate>> fates;
   std::vector<std::string> reasons;
+  std::vector<double> sigmas_alone;
+  for (const int c : cameras) sigmas_alone.push_back(alone.sigmas[c]);
   for (int v : sub.views) {
     fates.push_back(alone.fates[v]);
     camera_from_target.push_back(alone.camera_from_target[v]);
@@ -159,8 +162,8 @@ CalibrationResult calibrate_in_order(CalibrationProblem problem, const Calibrate
   JointSolve solve;
   {
     const Stopwatch stopwatch(result.stages, "solve");
-    solve = solve_jointly(sub.problem, state, options, reasons, alone.summaries[cameras.front()]);
-    keep_lenses_beyond_corners(sub.problem, state, options, reasons, solve);
+    solve = solve_jointly(sub.problem, state, options, sigmas_alone, reasons, alone.summaries[cameras.front()]);
+    keep_lenses_beyond_corners(sub.problem, state, options, sigmas_alone, reasons, solve);
   }
   BundleOptions bundle;
   bundle.estimate_shape = solve.shape_estimated;

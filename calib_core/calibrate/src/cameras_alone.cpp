@@ -96,6 +96,7 @@ void solve_camera_alone(const CalibrationProblem& problem, int camera, const Cal
   CameraOptimum optimum = leave_local_optima(single.problem, state, options, reasons, summary);
   alone.given_up[camera] = keep_lens_beyond_corners(single.problem, state, options, reasons, optimum);
   alone.summaries[camera] = optimum.summary;
+  alone.sigmas[camera] = robust_sigmas(single.problem, state)[0];
   std::ranges::copy(single.problem.lens_priors, std::back_inserter(alone.lens_priors));
   if (problem.cameras.size() == 1) refuse_open_lens(single.problem, state, optimum.projection_sigma_px);
   alone.cameras[camera] = state.cameras[0];
@@ -117,6 +118,7 @@ CamerasAlone solve_cameras_alone(const CalibrationProblem& problem, const Calibr
   CamerasAlone alone;
   alone.cameras.resize(problem.cameras.size());
   alone.summaries.resize(problem.cameras.size());
+  alone.sigmas.resize(problem.cameras.size());
   alone.why_not.resize(problem.cameras.size());
   alone.given_up.resize(problem.cameras.size());
   alone.camera_from_target.resize(problem.views.size());

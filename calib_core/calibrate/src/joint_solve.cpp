@@ -3,8 +3,10 @@
 #include "joint_solve.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "board_sizes.hpp"
 #include "raybundle/geometry/error.hpp"
@@ -14,52 +16,98 @@
 namespace raybundle {
 namespace {
 
-constexpr int kMaxTieReviews = 10;
-constexpr double kSmallestShareKept = 0.25;  // of the frames that could tie the cameras
+constexpr std::size_t kMaxTieReviews = 10;
+// Of the frames that could tie the cameras, kept in any case.
+constexpr std::array kSharesKept{0.75, 0.5, 0.25};
+constexpr std::array kFewKept{0.75, 0.5, 0.25, 0.125};
+constexpr double kBentByTies = 2.0;          // times the noise of a camera alone: what its own corners would not bear
+constexpr double kExact = 1e-3;              // of a corner's sigma: less noise than that is rounding
 
+// Solves with the ties as they are reviewed, each time with a smaller share that is kept in any case: the worst frames
+// go first.
 BundleSummary solve_and_review_ties(const CalibrationProblem& problem, BundleState& state,
-                                    const CalibrateOptions& options, TieReview& ties) {
+                                    std::span<const double> shares_kept, const CalibrateOptions& options,
+                                    TieReview& ties) {
   const BundleOptions bundle = bundle_options(options);
   BundleSummary summary;
-  for (int round = 0; round < kMaxTieReviews; ++round) {
-    ties.share_kept = std::max(kSmallestShareKept, 1.0 - kSmallestShareKept * (round + 1));  // the worst frames first
+  for (std::size_t round = 0; round < kMaxTieReviews; ++round) {
+    ties.share_kept = shares_kept[std::min(round, shares_kept.size() - 1)];
     const bool changed = review_ties(problem, state, options, ties);
-    if (!changed && (ties.strict || ties.share_kept == kSmallestShareKept)) break;
+    if (!changed && (ties.strict || ties.share_kept == shares_kept.back())) break;
     summary = solve_bundle(problem, state, bundle);
   }
   return summary;
 }
 
-// Boards that move between exposures are off by pixels. By more than a fiftieth of the image they are not the same
-// moment at all.
+// Boards that move between exposures are off by pixels. By more than half a hundredth of the image even in the frames that
+// agree best they are not the same moment at all.
 void refuse_unrelated_images(const CalibrationProblem& problem, const TieReview& ties) {
   double diagonal_px = std::numeric_limits<double>::infinity();
   for (const ProblemCamera& camera : problem.cameras) {
     diagonal_px = std::min(diagonal_px, std::hypot(camera.size.width, camera.size.height));
   }
-  if (ties.typical_px <= 0.02 * diagonal_px) return;
+  if (ties.typical_px <= 0.005 * diagonal_px) return;
   throw Error(ErrorKind::kNotEnoughData,
-              "the cameras saw the board in different places in most frames, typically " +
+              "the cameras saw the board in different places, even in the frames that agree best typically " +
                   std::to_string(std::lround(ties.typical_px)) +
                   " px apart, though each fits by itself; do the images that have the same number belong to the same "
                   "moment? Check the numbers, or calibrate the cameras one by one");
 }
 
-// The rig from the frames that tie its cameras. Ties of cameras that do not expose together are worth less than the
-// corners and must not bend the lenses: then the intrinsics stay what each camera alone tells.
+// Whether a camera fits plainly worse than by itself: wrong ties have bent its lens.
+bool lenses_bent(const CalibrationProblem& problem, const BundleState& state, const std::vector<double>& sigmas_alone) {
+  const std::vector<double> sigmas = robust_sigmas(problem, state);
+  for (std::size_t c = 0; c < sigmas.size(); ++c) {
+    if (sigmas[c] > kBentByTies * std::max(sigmas_alone[c], kExact)) return true;
+  }
+  return false;
+}
+
+// The rig from the frames that tie its cameras. Where images of different moments have come together, wrong ties bend
+// the lenses: then first from the few that agree best, under lenses that stay what each camera alone tells. Ties of
+// cameras that do not expose together are worth less than the corners: then the lenses stay so to the end.
 BundleSummary solve_rig(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
-                        TieReview& ties) {
+                        const std::vector<double>& sigmas_alone, TieReview& ties) {
   refuse_boards_of_other_sizes(problem, state);
   const CalibrationProblem rig_only = with_fixed_intrinsics(problem, state);
   solve_robustly(rig_only, state, options);
-  const BundleState cameras_alone = state;
-  const BundleSummary summary = solve_and_review_ties(problem, state, options, ties);
-  if (!ties.doubtful) return summary;
+  const BundleState with_lenses_alone = state;
+  const auto plainly_tied = [&] { return !ties.doubtful && !lenses_bent(problem, state, sigmas_alone); };
+  BundleSummary summary = solve_and_review_ties(problem, state, kSharesKept, options, ties);
+  if (plainly_tied()) return summary;
+  ties.wary = true;
+  state = with_lenses_alone;
+  solve_and_review_ties(rig_only, state, kFewKept, options, ties);
+  const BundleState from_few = state;
+  solve_bundle(problem, state, bundle_options(options));
+  summary = solve_and_review_ties(problem, state, std::span(kFewKept).last(1), options, ties);
+  if (plainly_tied()) return summary;
   ties.unsynchronised = true;
-  state = cameras_alone;
-  const BundleSummary rig = solve_and_review_ties(rig_only, state, options, ties);
+  state = from_few;
+  summary = solve_and_review_ties(rig_only, state, kFewKept, options, ties);
   refuse_unrelated_images(problem, ties);
-  return rig;
+  return summary;
+}
+
+// Every camera whose place nobody has given must share a board's pose with one whose place is known.
+void refuse_unlinked(const CalibrationProblem& problem, const BundleState& state) {
+  std::vector<bool> linked(problem.cameras.size());
+  for (std::size_t c = 0; c < linked.size(); ++c) linked[c] = c == 0 || problem.cameras[c].camera_from_rig;
+  std::vector<bool> pose_known(state.poses.size(), false);
+  for (std::size_t round = 0; round < linked.size(); ++round) {
+    for (std::size_t v = 0; v < problem.views.size(); ++v) {
+      if (state.pose_of_view[v] >= 0 && linked[problem.views[v].camera]) pose_known[state.pose_of_view[v]] = true;
+    }
+    for (std::size_t v = 0; v < problem.views.size(); ++v) {
+      if (state.pose_of_view[v] >= 0 && pose_known[state.pose_of_view[v]]) linked[problem.views[v].camera] = true;
+    }
+  }
+  const auto lost = std::ranges::find(linked, false);
+  if (lost == linked.end()) return;
+  throw Error(ErrorKind::kNotEnoughData,
+              "in no frame did " + problem.cameras[lost - linked.begin()].name +
+                  " see the board where another camera saw it; do the images that have the same number belong to the "
+                  "same moment? Check the numbers, or calibrate the cameras one by one");
 }
 
 // Sum of squared whitened residuals of the corners that both states use.
@@ -109,10 +157,11 @@ bool data_carry_shape(const CalibrationProblem& problem, const BundleState& flat
 }  // namespace
 
 JointSolve solve_jointly(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
-                         std::vector<std::string>& reasons, const BundleSummary& solved) {
+                         const std::vector<double>& sigmas_alone, std::vector<std::string>& reasons,
+                         const BundleSummary& solved) {
   JointSolve solve;
   solve.summary = solved;
-  if (problem.cameras.size() > 1) solve.summary = solve_rig(problem, state, options, solve.ties);
+  if (problem.cameras.size() > 1) solve.summary = solve_rig(problem, state, options, sigmas_alone, solve.ties);
   if (!solve.ties.unsynchronised) {
     const bool changed = give_second_chance(problem, state, options, reasons);
     const bool still_solved = problem.cameras.size() == 1 && !changed;
@@ -135,6 +184,7 @@ JointSolve solve_jointly(const CalibrationProblem& problem, BundleState& state, 
   if (solve.summary.termination == Termination::kFailed) {
     throw Error(ErrorKind::kSolveFailed, "the bundle adjustment broke down: " + solve.summary.message);
   }
+  refuse_unlinked(problem, state);
   return solve;
 }
 

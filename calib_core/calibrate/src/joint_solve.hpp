@@ -25,6 +25,7 @@ struct JointSolve {
 /// @param solved   of a single camera: how its solve alone ended, where the state comes from
 /// @throws Error(kSolveFailed)
 JointSolve solve_jointly(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
-                         std::vector<std::string>& reasons, const BundleSummary& solved = {});
+                         const std::vector<double>& sigmas_alone, std::vector<std::string>& reasons,
+                         const BundleSummary& solved = {});
 
 }  // namespace raybundle

@@ -15,6 +15,10 @@
 namespace raybundle {
 namespace {
 
+constexpr double kShareOfTheSameMoment = 0.125;  // of the frames, at least ...
+constexpr std::size_t kFewestFrames = 3;         // ... and so many: a pose of cameras that one frame gives fits it
+constexpr double kAlike = 5.0;                   // times what frames of the same moment err
+
 // Whether the camera could see at least half of the view's corners with the board where its pose has it.
 bool in_sight(const CalibrationProblem& problem, const BundleState& state, int view) {
   const std::vector<Eigen::Vector2d> residuals = view_residuals(problem, state, view);
@@ -78,18 +82,20 @@ void solve_poses(const CalibrationProblem& problem, BundleState& state, int thre
   solve_bundle(poses_only, state, options);
 }
 
-// Excess beyond which a frame does not tie: of cameras that do not expose together only frames far worse than most.
+// Excess beyond which a frame does not tie. Frames of the same moment err alike, those of another one by far more.
 double tie_limit(const std::vector<TieCheck>& checks, double tie_sigma, TieReview& review) {
-  std::vector<double> values, tied_px;
-  for (const TieCheck& check : checks) {
-    values.push_back(check.excess);
-    tied_px.push_back(check.tied_rms_px);
-  }
-  review.typical_px = median(tied_px);
-  const double best = quantile(values, review.share_kept);
+  std::vector<double> values;
+  for (const TieCheck& check : checks) values.push_back(check.excess);
+  std::ranges::sort(values);
+  const auto best_of = [&](double share) {
+    const auto count = static_cast<std::size_t>(share * static_cast<double>(values.size()));
+    return values[std::min(std::max(count, kFewestFrames), values.size()) - 1];
+  };
+  const double best = best_of(review.share_kept);
+  const double alike = review.wary ? kAlike * best_of(kShareOfTheSameMoment) : values.back();
   review.doubtful = best > tie_sigma;
   review.strict = !review.unsynchronised && !review.doubtful;
-  return review.unsynchronised ? 3.0 * median(values) : std::max(tie_sigma, best);
+  return review.unsynchronised ? std::min(3.0 * values[values.size() / 2], alike) : std::max(tie_sigma, std::min(best, alike));
 }
 
 // For each view the first one that shares its board pose: the same for states that tie the same views.
@@ -114,8 +120,12 @@ bool review_ties(const CalibrationProblem& problem, BundleState& state, const Ca
   review.strict = false;
   if (checks.empty()) return false;
   const double limit = tie_limit(checks, options.tie_sigma, review);
+  std::vector<double> tied_px;
   for (const TieCheck& check : checks) {
-    if (check.excess <= limit) continue;
+    if (check.excess <= limit) {
+      tied_px.push_back(check.tied_rms_px);
+      continue;
+    }
     for (std::size_t i = 0; i < check.views.size(); ++i) {
       const int view = check.views[i];
       review.untied.push_back({view, SetAside::Scope::kExtrinsics, check.reason});
@@ -129,6 +139,7 @@ bool review_ties(const CalibrationProblem& problem, BundleState& state, const Ca
       }
     }
   }
+  review.typical_px = median(tied_px);
   mark_projectable(problem, tied);
   const bool changed = first_sharing(state.pose_of_view) != first_sharing(tied.pose_of_view);
   state = std::move(tied);

@@ -13,9 +13,10 @@ namespace raybundle {
 struct TieReview {
   std::vector<SetAside> untied;  ///< views with a board pose of their own, and why
   bool doubtful = false;         ///< not even share_kept of the frames fit together as well as apart
-  double typical_px = 0.0;       ///< rms of the corners in the median frame when one board pose serves all cameras
+  double typical_px = 0.0;       ///< rms of the corners in the median frame of those that tie
   bool strict = false;           ///< the limit was tie_sigma itself: a smaller share_kept would change nothing
   double share_kept = 0.25;      ///< set by the caller: of the frames tie in any case, the best ones
+  bool wary = false;             ///< set by the caller: far worse than the best frames is another moment in any case
   bool unsynchronised = false;   ///< set by the caller: the cameras do not expose together, ties are worth little
 };
 

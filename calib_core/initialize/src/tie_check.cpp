@@ -12,6 +12,8 @@
 namespace raybundle {
 namespace {
 
+constexpr double kNearPx = 3.0;  ///< a corner fits its view's own pose within this
+
 /// Squared distances of one view's right corners, tied and with a pose of its own.
 struct ViewFit {
   double tied_px2 = 0.0;
@@ -26,13 +28,19 @@ ViewFit fit_of(const CalibrationProblem& problem, const TargetView& view, const 
   std::vector<double> tied_distances;
   pixel_distances(lens, camera.parameters.data(), corners, tied, tied_distances);
   std::vector<double> sorted = tied_distances;
-
+  double typical_px = median(sorted);
+  std::vector<Rigid3> own{tied};
+  if (!(typical_px <= kNearPx)) {  // no refinement leads from so far away to where the board is
+    if (const auto pose = view_pose(lens, camera.parameters.data(), corners, kNearPx)) {
+      own[0] = pose->camera_from_target;
+      typical_px = pose->median_px;
+    }
+  }
   LensBundleOptions options;
-  options.scale_px = std::max(1e-3, 4.0 * median(sorted));
+  options.scale_px = std::max(1e-3, 4.0 * typical_px);
   options.max_iterations = 15;
   options.lens_fixed = true;
   LensVector parameters = camera.parameters;
-  std::vector<Rigid3> own{tied};
   if (std::isfinite(options.scale_px)) refine_lens(lens, {corners}, options, parameters, own);
   std::vector<double> own_distances;
   pixel_distances(lens, camera.parameters.data(), corners, own[0], own_distances);

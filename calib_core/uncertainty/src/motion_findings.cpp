@@ -63,12 +63,14 @@ std::optional<Finding> sync_finding(const CalibrationProblem& problem, const Cal
   for (std::size_t v = 0; v < problem.views.size(); ++v) {
     if (result.views[v].pose >= 0) cameras_of_frame[problem.views[v].frame].insert(problem.views[v].camera);
   }
+  const auto saw_several = [&](int frame) { return cameras_of_frame[frame].size() > 1; };
   const auto shared =
       std::ranges::count_if(cameras_of_frame, [](const auto& frame) { return frame.second.size() > 1; });
   if (shared == 0) return std::nullopt;
   std::set<int> apart;
   for (const SetAside& each : result.set_aside) {
-    if (each.scope == SetAside::Scope::kExtrinsics) apart.insert(problem.views[each.view].frame);
+    const int frame = problem.views[each.view].frame;
+    if (each.scope == SetAside::Scope::kExtrinsics && saw_several(frame)) apart.insert(frame);
   }
   const bool good = static_cast<double>(apart.size()) <= kApartByChance * static_cast<double>(shared);
   return Finding{"the rig", "sync", good,

@@ -105,6 +105,39 @@ TEST(Calibrate, NamesAnInconsistentPair) {
   EXPECT_LT((found - world.camera_from_rig[1].translation).norm(), 1e-3);
 }
 
+// Images that were lost in one camera: from there on its frames are those of other moments.
+void shift_frames(CalibrationProblem& problem, int camera, int from) {
+  int last = 0;
+  for (const TargetView& view : problem.views) last = std::max(last, view.frame);
+  std::erase_if(problem.views, [&](const TargetView& view) { return view.camera == camera && view.frame == last; });
+  for (TargetView& view : problem.views) view.frame += view.camera == camera && view.frame >= from;
+}
+
+// Most of the frames are not of one moment: those that are tell where the cameras are, and the lenses bear nothing.
+TEST(Calibrate, FindsTheFramesOfOneMomentAmongMostThatAreNot) {
+  SyntheticOptions options = stereo(21);
+  options.noise_px = 0.2;
+  SyntheticWorld world = synthetic_world(options);
+  shift_frames(world.problem, 1, 7);
+  const CalibrationResult result = calibrate(world.problem);
+  const Eigen::Vector3d found = result.calibration.cameras[1].camera_from_rig.translation;
+  EXPECT_LT((found - world.camera_from_rig[1].translation).norm(), 1e-3);
+  for (const CameraSummary& camera : result.cameras) EXPECT_LT(camera.rms_px, 0.2 * std::sqrt(2.0) * 1.1);
+  for (const SetAside& aside : result.set_aside) EXPECT_GE(world.problem.views[aside.view].frame, 7);
+}
+
+TEST(Calibrate, RefusesFramesOfWhichNoneIsOfOneMoment) {
+  SyntheticWorld world = synthetic_world(stereo(22));
+  shift_frames(world.problem, 1, 0);
+  try {
+    calibrate(world.problem);
+    FAIL() << "expected an error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kNotEnoughData);
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("same moment"));
+  }
+}
+
 // One camera with too few views is named and left out; the rest of the rig is calibrated.
 TEST(Calibrate, OneBadCameraDoesNotCostTheRig) {
   SyntheticOptions options = stereo(9);
