@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "local_optima.hpp"
 #include "raybundle/bundle/information.hpp"
@@ -72,6 +73,29 @@ double projection_sigma_px(const CalibrationProblem& single, const BundleState& 
   by_parameters -= by_turn * by_turn.colPivHouseholderQr().solve(by_parameters);
   const double sum = (by_parameters * covariance_of_lens(single, state, threads)).cwiseProduct(by_parameters).sum();
   return std::sqrt(std::max(0.0, sum) / static_cast<double>(rays.size()));
+}
+
+double projection_distance_px(const Camera& camera, const Camera& other,
+                              const std::vector<Eigen::Vector3d>& rays_in_camera) {
+  constexpr int kTurns = 5;  // Gauss-Newton: the turn is small
+  std::vector<Eigen::Vector3d> turned = rays_in_camera;
+  Eigen::VectorXd apart(2 * std::ssize(turned));
+  const auto measure = [&] {
+    for (std::size_t i = 0; i < turned.size(); ++i) {
+      const auto here = pixel_from_ray(camera, rays_in_camera[i]), there = pixel_from_ray(other, turned[i]);
+      if (!here || !there) return false;
+      apart.segment<2>(static_cast<Eigen::Index>(2 * i)) = *there - *here;
+    }
+    return true;
+  };
+  for (int round = 0; round < kTurns; ++round) {
+    if (!measure()) return std::numeric_limits<double>::infinity();
+    const Eigen::MatrixXd by_turn = slopes_of(other, turned).by_turn;
+    const Eigen::Matrix3d turn = rotation_from_vector(Eigen::Vector3d(by_turn.colPivHouseholderQr().solve(-apart)));
+    for (Eigen::Vector3d& ray : turned) ray = turn * ray;
+  }
+  return measure() ? apart.norm() / std::sqrt(static_cast<double>(turned.size()))
+                   : std::numeric_limits<double>::infinity();
 }
 
 bool leaves_lens_open(ImageSize size, double sigma_px) { return sigma_px > open_limit_px(size); }

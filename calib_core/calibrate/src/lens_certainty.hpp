@@ -13,6 +13,11 @@ Eigen::MatrixXd covariance_of_lens(const CalibrationProblem& single, const Bundl
 /// covariance of its intrinsics says, less the common turn that the boards' poses take up.
 double projection_sigma_px(const CalibrationProblem& single, const BundleState& state, int threads);
 
+/// Root mean square distance [px] between where two cameras put rays, one of them turned so that they agree best: the
+/// boards' poses take up a turn. Infinite where one of them does not project all of them.
+double projection_distance_px(const Camera& camera, const Camera& other,
+                              const std::vector<Eigen::Vector3d>& rays_in_camera);
+
 /// Whether a projection that is known no better leaves the lens open: by more than 2 % of the image.
 bool leaves_lens_open(ImageSize size, double sigma_px);
 

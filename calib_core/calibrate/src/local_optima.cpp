@@ -151,14 +151,19 @@ bool readmit_corners(const CalibrationProblem& single, BundleState& state, const
   return true;
 }
 
-// Whether a lower optimum gains no more than noise may and leaves the lens open that was not.
+// Whether a lower optimum gains no more than noise may and leaves the lens open that was not, although it projects
+// nearly alike: what opens it are parameters that happen to lie where the model does not tell them apart.
 bool opens_for_noise(const CalibrationProblem& single, const BundleState& state, const CameraOptimum& here,
-                     const CameraOptimum& lower) {
+                     const BundleState& lower_state, const CameraOptimum& lower) {
   const ImageSize size = state.cameras[0].size;
+  const auto alike = [&] {
+    const std::vector<Eigen::Vector3d> rays = rays_seen(single, state);
+    return !leaves_lens_open(size, projection_distance_px(state.cameras[0], lower_state.cameras[0], rays));
+  };
   const double gain = here.summary.final_cost - lower.summary.final_cost;
   const bool by_noise = 2.0 * gain < std::pow(kAlikeSigmas * robust_sigmas(single, state)[0], 2);
   return by_noise && leaves_lens_open(size, lower.projection_sigma_px) &&
-         !leaves_lens_open(size, here.projection_sigma_px);
+         !leaves_lens_open(size, here.projection_sigma_px) && alike();
 }
 
 // Goes where `move` leads, unless that opens the lens for noise.
@@ -169,10 +174,26 @@ bool move_to_lower_by(const Move& move, const CalibrationProblem& single, Bundle
   BundleState other = state;
   if (!move(other, lower.summary)) return false;
   lower.projection_sigma_px = projection_sigma_px(single, other, options.threads);
-  if (opens_for_noise(single, state, optimum, lower)) return false;
+  if (opens_for_noise(single, state, optimum, other, lower)) return false;
   state = std::move(other);
   optimum = lower;
   return true;
+}
+
+// How well the projection is known by other focal lengths that fit nearly as well, which the slopes at the optimum do
+// not see: the distance to such a lens over the sigmas by which it fits worse.
+double sigma_along_focal_px(const CalibrationProblem& single, const BundleState& state, double cost,
+                            const std::vector<StateOfFocal>& others) {
+  const std::vector<Eigen::Vector3d> rays = rays_seen(single, state);
+  const double variance = std::pow(robust_sigmas(single, state)[0], 2);
+  double sigma_px = 0.0;
+  for (const StateOfFocal& other : others) {
+    const double worse_by = std::sqrt(std::max(1.0, 2.0 * (other.cost - cost) / variance));
+    if (worse_by > kAlikeSigmas) continue;
+    const double distance_px = projection_distance_px(state.cameras[0], other.state.cameras[0], rays);
+    if (std::isfinite(distance_px)) sigma_px = std::max(sigma_px, distance_px / worse_by);
+  }
+  return sigma_px;
 }
 
 // Views that leave a lens loose may have optima anywhere along what they do not tell. Moves to a lower one.
@@ -181,10 +202,16 @@ bool move_to_lower_of_loose(const CalibrationProblem& single, BundleState& state
   const ImageSize size = state.cameras[0].size;
   const bool loose = optimum.projection_sigma_px > kLooseShare * std::max(size.width, size.height);
   if (!loose || count_used(state) > kMostLoose) return false;
+  std::vector<BundleState> others = states_along_weakest(single, state, options.threads);
+  const std::vector<StateOfFocal> of_focals = states_of_other_focals(single, state, options.threads);
+  for (const StateOfFocal& other : of_focals) others.push_back(other.state);
   const auto move = [&](BundleState& other, BundleSummary& summary) {
-    return move_to_lower(single, other, states_along_weakest(single, other, options.threads), options, summary);
+    return move_to_lower(single, other, std::move(others), options, summary);
   };
-  return move_to_lower_by(move, single, state, options, optimum);
+  if (move_to_lower_by(move, single, state, options, optimum)) return true;
+  const double along_focal_px = sigma_along_focal_px(single, state, optimum.summary.final_cost, of_focals);
+  optimum.projection_sigma_px = std::max(optimum.projection_sigma_px, along_focal_px);
+  return false;
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ CameraOptimum leave_local_optima(const CalibrationProblem& single, BundleState& 
                                  std::vector<std::string>& reasons, const BundleSummary& solved);
 
 /// Moves to the lowest optimum of a lens that puts corners nearly where the state's does, as near as they can tell, if
-/// it is lower than where the state is. A lens that the views leave open must be lower by more than noise makes it.
+/// it is lower than where the state is.
 ///
 /// @param optimum  of the state; of the new one when it moves
 /// @return         whether it moved

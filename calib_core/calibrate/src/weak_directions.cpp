@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "lens_certainty.hpp"
+#include "raybundle/bundle/parameters.hpp"
 #include "subproblem.hpp"
 
 namespace raybundle {
@@ -15,6 +16,8 @@ namespace {
 
 constexpr int kDirections = 3;                       // principal axes of the correlations
 constexpr std::array kSigmas{2.0, 5.0, 12.0, 30.0};  // along each of them, to either side
+constexpr std::array kTimesFocal{0.7, 0.85, 1.2, 1.4};
+constexpr int kSettlingAround = 20;                  // iterations of everything else around a focal length
 constexpr int kFollowing = 10;                       // iterations of the boards
 
 /// A step of one standard deviation of a camera's parameters, in the order of its model.
@@ -40,6 +43,14 @@ std::vector<Step> weakest_steps(const Eigen::MatrixXd& covariance) {
   return steps;
 }
 
+// Whether no rule says anything of the camera's focal lengths.
+bool focal_free(const CalibrationProblem& single) {
+  return std::ranges::any_of(parameter_blocks(single), [](const ParameterBlock& block) {
+    return block.kind == ParameterBlock::Kind::kIntrinsics && block.parameters[0].kind == ParameterRule::Kind::kFree &&
+           block.parameters[1].kind == ParameterRule::Kind::kFree;
+  });
+}
+
 }  // namespace
 
 std::vector<BundleState> states_along_weakest(const CalibrationProblem& single, const BundleState& state, int threads) {
@@ -60,6 +71,29 @@ std::vector<BundleState> states_along_weakest(const CalibrationProblem& single, 
         states.push_back(std::move(other));
       }
     }
+  }
+  return states;
+}
+
+std::vector<StateOfFocal> states_of_other_focals(const CalibrationProblem& single, const BundleState& state,
+                                                 int threads) {
+  if (!focal_free(single)) return {};
+  CalibrationProblem focal_held = single;
+  for (const char* focal : {".fx", ".fy"}) {
+    focal_held.rules.push_back({single.cameras[0].name + focal, ParameterRule::Kind::kFixed, {}, 0.0});
+  }
+  BundleOptions bundle;
+  bundle.threads = threads;
+  bundle.max_iterations = kSettlingAround;
+  std::vector<StateOfFocal> states;
+  for (const double times : kTimesFocal) {
+    BundleState other = state;
+    Eigen::VectorXd& parameters = other.cameras[0].parameters;
+    parameters.head<2>() *= times;
+    for (BoardPose& pose : other.poses) pose.rig_from_target.translation *= times;
+    focal_held.cameras[0].parameters = parameters;
+    const BundleSummary summary = solve_bundle(focal_held, other, bundle);
+    if (summary.termination != Termination::kFailed) states.push_back({std::move(other), summary.final_cost});
   }
   return states;
 }

@@ -26,6 +26,10 @@ struct TruthStart {
 
 TruthStart start_from_truth(const RandomRig& rig);
 
+/// Whether a lens of another focal length fits the right corners within three sigmas of what the truth's optimum does
+/// and yet projects them elsewhere: the covariance at the optimum does not see it.
+bool another_focal_fits(const RandomRig& rig, const TruthStart& truth);
+
 enum class Verdict {
   kReached,             ///< the optimum that a start from the truth reaches, or a lower one
   kRefusedRightly,      ///< the data do not determine the camera, and it was said
