@@ -180,14 +180,14 @@ bool move_to_lower_by(const Move& move, const CalibrationProblem& single, Bundle
   return true;
 }
 
-// How well the projection is known by other focal lengths that fit nearly as well, which the slopes at the optimum do
-// not see: the distance to such a lens over the sigmas by which it fits worse.
-double sigma_along_focal_px(const CalibrationProblem& single, const BundleState& state, double cost,
-                            const std::vector<StateOfFocal>& others) {
+// How well the projection is known by other lenses that fit nearly as well, which the slopes at the optimum do not see:
+// the distance to such a lens over the sigmas by which it fits worse.
+double sigma_by_others_px(const CalibrationProblem& single, const BundleState& state, double cost,
+                          const std::vector<CostedState>& others) {
   const std::vector<Eigen::Vector3d> rays = rays_seen(single, state);
   const double variance = std::pow(robust_sigmas(single, state)[0], 2);
   double sigma_px = 0.0;
-  for (const StateOfFocal& other : others) {
+  for (const CostedState& other : others) {
     const double worse_by = std::sqrt(std::max(1.0, 2.0 * (other.cost - cost) / variance));
     if (worse_by > kAlikeSigmas) continue;
     const double distance_px = projection_distance_px(state.cameras[0], other.state.cameras[0], rays);
@@ -202,15 +202,16 @@ bool move_to_lower_of_loose(const CalibrationProblem& single, BundleState& state
   const ImageSize size = state.cameras[0].size;
   const bool loose = optimum.projection_sigma_px > kLooseShare * std::max(size.width, size.height);
   if (!loose || count_used(state) > kMostLoose) return false;
-  std::vector<BundleState> others = states_along_weakest(single, state, options.threads);
-  const std::vector<StateOfFocal> of_focals = states_of_other_focals(single, state, options.threads);
-  for (const StateOfFocal& other : of_focals) others.push_back(other.state);
+  std::vector<CostedState> others = states_along_weakest(single, state, options.threads);
+  const std::vector<CostedState> of_focals = states_of_other_focals(single, state, options.threads);
+  others.insert(others.end(), of_focals.begin(), of_focals.end());
   const auto move = [&](BundleState& other, BundleSummary& summary) {
-    return move_to_lower(single, other, std::move(others), options, summary);
+    return move_to_lower(single, other, others, options, summary);
   };
   if (move_to_lower_by(move, single, state, options, optimum)) return true;
-  const double along_focal_px = sigma_along_focal_px(single, state, optimum.summary.final_cost, of_focals);
-  optimum.projection_sigma_px = std::max(optimum.projection_sigma_px, along_focal_px);
+  others.insert(others.end(), of_focals.begin(), of_focals.end());
+  const double by_others_px = sigma_by_others_px(single, state, optimum.summary.final_cost, others);
+  optimum.projection_sigma_px = std::max(optimum.projection_sigma_px, by_others_px);
   return false;
 }
 

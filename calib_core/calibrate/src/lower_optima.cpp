@@ -38,11 +38,11 @@ struct OtherSolve {
   BundleSummary summary;
 };
 
-std::vector<BundleState> with_cameras(const BundleState& state, const std::vector<Camera>& cameras) {
-  std::vector<BundleState> states;
+std::vector<CostedState> with_cameras(const BundleState& state, const std::vector<Camera>& cameras) {
+  std::vector<CostedState> states;
   for (const Camera& camera : cameras) {
-    states.push_back(state);
-    states.back().cameras[0] = camera;
+    states.push_back({state, 0.0});
+    states.back().state.cameras[0] = camera;
   }
   return states;
 }
@@ -50,19 +50,22 @@ std::vector<BundleState> with_cameras(const BundleState& state, const std::vecto
 // Solves on from other states: all of them for some steps, then the lowest that have not come to rest. Those that are
 // lower than where the state was, the lowest first.
 std::vector<OtherSolve> lower_optima(const CalibrationProblem& single, const BundleState& state, double cost,
-                                     std::vector<BundleState> others, BundleOptions bundle) {
+                                     std::vector<CostedState>& others, BundleOptions bundle) {
   const int most_iterations = bundle.max_iterations;
   bundle.max_iterations = std::min(most_iterations, kFirstLook);
   const auto by_cost = [](const OtherSolve& solve) { return solve.summary.final_cost; };
   std::vector<OtherSolve> solves;
-  for (BundleState& start : others) {
-    OtherSolve other{std::move(start), {}};
+  std::vector<CostedState> come_to;
+  for (CostedState& start : others) {
+    OtherSolve other{std::move(start.state), {}};
     other.summary = solve_bundle(single, other.state, bundle);
     if (other.summary.termination == Termination::kFailed) continue;
     if (spoils_lens(single, state, other.state)) continue;  // or they would crowd out those that may be followed
+    come_to.push_back({other.state, other.summary.final_cost});
     const bool at_rest = other.summary.termination == Termination::kConverged;
     if (other.summary.final_cost < (at_rest ? 1.0 - kLower : kPromising) * cost) solves.push_back(std::move(other));
   }
+  others = std::move(come_to);
   std::ranges::stable_sort(solves, {}, by_cost);
   if (solves.size() > kFollowed) solves.resize(kFollowed);
   bundle.max_iterations = most_iterations;
@@ -96,18 +99,19 @@ bool move_to_lower(const CalibrationProblem& single, BundleState& state, const s
   BundleState fewer = with_fewer_views(state);
   const bool all = fewer.pose_of_view == state.pose_of_view;
   const double cost = all ? summary.final_cost : solve_bundle(single, fewer, bundle).final_cost;
-  std::vector<OtherSolve> lower = lower_optima(single, fewer, cost, with_cameras(fewer, others), bundle);
+  std::vector<CostedState> starts = with_cameras(fewer, others);
+  std::vector<OtherSolve> lower = lower_optima(single, fewer, cost, starts, bundle);
   if (!all && !lower.empty()) {
-    const std::vector<Camera> best{lower.front().state.cameras[0]};
-    lower = lower_optima(single, state, summary.final_cost, with_cameras(state, best), bundle);
+    starts = with_cameras(state, {lower.front().state.cameras[0]});
+    lower = lower_optima(single, state, summary.final_cost, starts, bundle);
   }
   return take_lowest(std::move(lower), state, summary);
 }
 
-bool move_to_lower(const CalibrationProblem& single, BundleState& state, std::vector<BundleState> others,
+bool move_to_lower(const CalibrationProblem& single, BundleState& state, std::vector<CostedState>& others,
                    const CalibrateOptions& options, BundleSummary& summary) {
   const double cost = summary.final_cost;
-  return take_lowest(lower_optima(single, state, cost, std::move(others), bundle_options(options)), state, summary);
+  return take_lowest(lower_optima(single, state, cost, others, bundle_options(options)), state, summary);
 }
 
 }  // namespace raybundle

@@ -9,6 +9,12 @@
 
 namespace raybundle {
 
+/// A state and its cost, as in BundleSummary.
+struct CostedState {
+  BundleState state;
+  double cost = 0.0;
+};
+
 /// Moves to the lowest optimum that solves from other cameras lead to, with the boards where they are, if it is lower
 /// than where the state is. Of many views some tell whether there is one.
 ///
@@ -19,7 +25,9 @@ bool move_to_lower(const CalibrationProblem& single, BundleState& state, const s
                    const CalibrateOptions& options, BundleSummary& summary);
 
 /// The same from other states, whose boards have followed their cameras; all views tell.
-bool move_to_lower(const CalibrationProblem& single, BundleState& state, std::vector<BundleState> others,
+///
+/// @param others  where solves begin; then where they have come to after some steps, without those that broke down
+bool move_to_lower(const CalibrationProblem& single, BundleState& state, std::vector<CostedState>& others,
                    const CalibrateOptions& options, BundleSummary& summary);
 
 }  // namespace raybundle

@@ -16,8 +16,9 @@ namespace {
 
 constexpr int kDirections = 3;                       // principal axes of the correlations
 constexpr std::array kSigmas{2.0, 5.0, 12.0, 30.0};  // along each of them, to either side
-constexpr std::array kTimesFocal{0.7, 0.85, 1.2, 1.4};
-constexpr int kSettlingAround = 20;                  // iterations of everything else around a focal length
+constexpr std::array kTimesFocal{0.87, 1.15};         // a step to shorter and to longer ones
+constexpr int kStepsOfFocal = 5;                     // to half and twice the focal length
+constexpr int kSettlingAround = 8;                   // iterations of everything else around a focal length
 constexpr int kFollowing = 10;                       // iterations of the boards
 
 /// A step of one standard deviation of a camera's parameters, in the order of its model.
@@ -53,12 +54,12 @@ bool focal_free(const CalibrationProblem& single) {
 
 }  // namespace
 
-std::vector<BundleState> states_along_weakest(const CalibrationProblem& single, const BundleState& state, int threads) {
+std::vector<CostedState> states_along_weakest(const CalibrationProblem& single, const BundleState& state, int threads) {
   CalibrationProblem boards_only = with_fixed_intrinsics(single, state);
   BundleOptions bundle;
   bundle.threads = threads;
   bundle.max_iterations = kFollowing;
-  std::vector<BundleState> states;
+  std::vector<CostedState> states;
   for (const Step& step : weakest_steps(covariance_of_lens(single, state, threads))) {
     for (const double sigmas : kSigmas) {
       for (const double side : {-1.0, 1.0}) {
@@ -67,15 +68,16 @@ std::vector<BundleState> states_along_weakest(const CalibrationProblem& single, 
         parameters += side * sigmas * step;
         if (!(parameters[0] > 0) || !(parameters[1] > 0)) continue;
         boards_only.cameras[0].parameters = parameters;
-        if (solve_bundle(boards_only, other, bundle).termination == Termination::kFailed) continue;
-        states.push_back(std::move(other));
+        const BundleSummary summary = solve_bundle(boards_only, other, bundle);
+        if (summary.termination == Termination::kFailed) continue;
+        states.push_back({std::move(other), summary.final_cost});
       }
     }
   }
   return states;
 }
 
-std::vector<StateOfFocal> states_of_other_focals(const CalibrationProblem& single, const BundleState& state,
+std::vector<CostedState> states_of_other_focals(const CalibrationProblem& single, const BundleState& state,
                                                  int threads) {
   if (!focal_free(single)) return {};
   CalibrationProblem focal_held = single;
@@ -85,15 +87,18 @@ std::vector<StateOfFocal> states_of_other_focals(const CalibrationProblem& singl
   BundleOptions bundle;
   bundle.threads = threads;
   bundle.max_iterations = kSettlingAround;
-  std::vector<StateOfFocal> states;
+  std::vector<CostedState> states;
   for (const double times : kTimesFocal) {
     BundleState other = state;
-    Eigen::VectorXd& parameters = other.cameras[0].parameters;
-    parameters.head<2>() *= times;
-    for (BoardPose& pose : other.poses) pose.rig_from_target.translation *= times;
-    focal_held.cameras[0].parameters = parameters;
-    const BundleSummary summary = solve_bundle(focal_held, other, bundle);
-    if (summary.termination != Termination::kFailed) states.push_back({std::move(other), summary.final_cost});
+    for (int step = 0; step < kStepsOfFocal; ++step) {
+      Eigen::VectorXd& parameters = other.cameras[0].parameters;
+      parameters.head<2>() *= times;
+      for (BoardPose& pose : other.poses) pose.rig_from_target.translation *= times;
+      focal_held.cameras[0].parameters = parameters;
+      const BundleSummary summary = solve_bundle(focal_held, other, bundle);
+      if (summary.termination == Termination::kFailed) break;
+      states.push_back({other, summary.final_cost});
+    }
   }
   return states;
 }

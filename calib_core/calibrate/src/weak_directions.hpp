@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "raybundle/bundle/bundle.hpp"
+#include "lower_optima.hpp"
 
 namespace raybundle {
 
@@ -13,20 +13,14 @@ namespace raybundle {
 ///
 /// @param single  a problem with one camera
 /// @param state   its optimum
-std::vector<BundleState> states_along_weakest(const CalibrationProblem& single, const BundleState& state, int threads);
+std::vector<CostedState> states_along_weakest(const CalibrationProblem& single, const BundleState& state, int threads);
 
-/// A state and its cost, as in BundleSummary.
-struct StateOfFocal {
-  BundleState state;
-  double cost = 0.0;
-};
-
-/// The best states of focal lengths that are shorter or longer by up to a third: where all boards are held alike, lenses
-/// that are far apart may fit nearly as well.
+/// States of other focal lengths, from half the camera's to twice it, with everything else at its best there: where all
+/// boards are held alike, lenses that are far apart may fit nearly as well.
 ///
 /// @param single  a problem with one camera
 /// @param state   its optimum
-std::vector<StateOfFocal> states_of_other_focals(const CalibrationProblem& single, const BundleState& state,
-                                                 int threads);
+std::vector<CostedState> states_of_other_focals(const CalibrationProblem& single, const BundleState& state,
+                                                int threads);
 
 }  // namespace raybundle
