@@ -19,9 +19,9 @@ namespace {
 constexpr std::size_t kMaxTieReviews = 10;
 // Of the frames that could tie the cameras, kept in any case.
 constexpr std::array kSharesKept{0.75, 0.5, 0.25};
-constexpr std::array kFewKept{0.75, 0.5, 0.25, 0.125};
-constexpr double kBentByTies = 2.0;          // times the noise of a camera alone: what its own corners would not bear
-constexpr double kExact = 1e-3;              // of a corner's sigma: less noise than that is rounding
+constexpr std::array kFewKept{0.75, 0.5, 0.25, 0.1};
+constexpr double kBentByTies = 2.0;  // times the noise of a camera alone: what its own corners would not bear
+constexpr double kExact = 1e-3;      // of a corner's sigma: less noise than that is rounding
 
 // Solves with the ties as they are reviewed, each time with a smaller share that is kept in any case: the worst frames
 // go first.
@@ -39,8 +39,8 @@ BundleSummary solve_and_review_ties(const CalibrationProblem& problem, BundleSta
   return summary;
 }
 
-// Boards that move between exposures are off by pixels. By more than half a hundredth of the image even in the frames that
-// agree best they are not the same moment at all.
+// Boards that move between exposures are off by pixels. By more than half a hundredth of the image even in the frames
+// that agree best they are not the same moment at all.
 void refuse_unrelated_images(const CalibrationProblem& problem, const TieReview& ties) {
   double diagonal_px = std::numeric_limits<double>::infinity();
   for (const ProblemCamera& camera : problem.cameras) {

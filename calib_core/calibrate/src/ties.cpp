@@ -15,9 +15,9 @@
 namespace raybundle {
 namespace {
 
-constexpr double kShareOfTheSameMoment = 0.125;  // of the frames, at least ...
-constexpr std::size_t kFewestFrames = 3;         // ... and so many: a pose of cameras that one frame gives fits it
-constexpr double kAlike = 5.0;                   // times what frames of the same moment err
+constexpr double kShareOfTheSameMoment = 0.1;  // of the frames, at least ...
+constexpr std::size_t kFewestFrames = 3;       // ... and so many: a pose of cameras that one frame gives fits it
+constexpr double kAlike = 5.0;                 // times what frames of the same moment err
 
 // Whether the camera could see at least half of the view's corners with the board where its pose has it.
 bool in_sight(const CalibrationProblem& problem, const BundleState& state, int view) {
@@ -87,15 +87,14 @@ double tie_limit(const std::vector<TieCheck>& checks, double tie_sigma, TieRevie
   std::vector<double> values;
   for (const TieCheck& check : checks) values.push_back(check.excess);
   std::ranges::sort(values);
-  const auto best_of = [&](double share) {
-    const auto count = static_cast<std::size_t>(share * static_cast<double>(values.size()));
-    return values[std::min(std::max(count, kFewestFrames), values.size()) - 1];
-  };
+  const double third = values[std::min(kFewestFrames, values.size()) - 1];
+  const auto best_of = [&](double share) { return std::max(quantile(values, share), third); };
   const double best = best_of(review.share_kept);
   const double alike = review.wary ? kAlike * best_of(kShareOfTheSameMoment) : values.back();
   review.doubtful = best > tie_sigma;
   review.strict = !review.unsynchronised && !review.doubtful;
-  return review.unsynchronised ? std::min(3.0 * values[values.size() / 2], alike) : std::max(tie_sigma, std::min(best, alike));
+  return review.unsynchronised ? std::min(3.0 * values[values.size() / 2], alike)
+                               : std::max(tie_sigma, std::min(best, alike));
 }
 
 // For each view the first one that shares its board pose: the same for states that tie the same views.

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kDirections = 3;                       // principal axes of the correlations
 constexpr std::array kSigmas{2.0, 5.0, 12.0, 30.0};  // along each of them, to either side
-constexpr std::array kTimesFocal{0.87, 1.15};         // a step to shorter and to longer ones
+constexpr std::array kTimesFocal{0.87, 1.15};        // a step to shorter and to longer ones
 constexpr int kStepsOfFocal = 5;                     // to half and twice the focal length
 constexpr int kSettlingAround = 8;                   // iterations of everything else around a focal length
 constexpr int kFollowing = 10;                       // iterations of the boards
@@ -78,7 +78,7 @@ std::vector<CostedState> states_along_weakest(const CalibrationProblem& single, 
 }
 
 std::vector<CostedState> states_of_other_focals(const CalibrationProblem& single, const BundleState& state,
-                                                 int threads) {
+                                                int threads) {
   if (!focal_free(single)) return {};
   CalibrationProblem focal_held = single;
   for (const char* focal : {".fx", ".fy"}) {

@@ -94,7 +94,8 @@ Rigid3 trembling(Draw& draw, const Rigid3& pose) {
   return perturbed(pose, motion);
 }
 
-/// Whether a pixel sees a ray: where prism terms fold an image over itself it sees another one as well, as no glass does.
+/// Whether a pixel sees a ray: where prism terms fold an image over itself it sees another one as well, as no glass
+/// does.
 bool sees(const Camera& camera, const Eigen::Vector2d& pixel, const Eigen::Vector3d& ray) {
   const auto seen = ray_from_pixel(camera, pixel);
   return seen && seen->dot(ray.normalized()) > 1.0 - 1e-9;
