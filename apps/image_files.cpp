@@ -11,6 +11,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <mutex>
 #include <opencv2/imgcodecs.hpp>
@@ -79,23 +80,36 @@ bool ends_with_one_of(std::initializer_list<const char*> endings, const std::str
   return std::ranges::find(endings, ending) != endings.end();
 }
 
+// What a file holds says whether it may be an image, not how it is called.
+bool may_be_read(const std::string& path) { return is_video(path) || cv::haveImageReader(path); }
+
+// A file that is no image, as a list of lenses beside them, has no number and must not cost the images theirs: it keeps
+// its whole name, and whoever reads it says why it is left out.
 std::vector<ImageFile> files_of_camera(int camera, const std::vector<std::string>& paths) {
-  const std::vector<std::string> names = frame_names(paths);
+  std::vector<std::string> readable;
+  std::ranges::copy_if(paths, std::back_inserter(readable), may_be_read);
+  const std::vector<std::string> names = frame_names(readable);
   std::map<std::string, std::string> path_of_frame;
   std::vector<ImageFile> files;
-  for (std::size_t i = 0; i < paths.size(); ++i) {
-    const bool video = is_video(paths[i]);
+  std::size_t next = 0;  // of the readable ones
+  for (const std::string& path : paths) {
+    if (next == readable.size() || path != readable[next]) {
+      files.push_back({camera, path, std::filesystem::path(path).stem().string(), false});
+      continue;
+    }
+    const std::string& name = names[next++];
+    const bool video = is_video(path);
     if (video && paths.size() > 1) {
       throw Error(ErrorKind::kBadInput,
                   fmt::format("is a video among {} files of one camera, which has one video or images", paths.size()),
-                  paths[i]);
+                  path);
     }
-    const auto [before, is_new] = path_of_frame.insert({names[i], paths[i]});
+    const auto [before, is_new] = path_of_frame.insert({name, path});
     if (!is_new) {
       throw Error(ErrorKind::kBadInput, fmt::format("{} and {} would both be frame {}; narrow the image pattern",
-                                                    before->second, paths[i], names[i]));
+                                                    before->second, path, name));
     }
-    files.push_back({camera, paths[i], video ? "" : names[i], video});
+    files.push_back({camera, path, video ? "" : name, video});
   }
   return files;
 }

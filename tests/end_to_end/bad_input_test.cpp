@@ -92,6 +92,30 @@ TEST_F(BadInput, TruncatedAndUnreadableImagesAmongGoodOnesAreNamedAndLeftOut) {
   EXPECT_THAT(reasons, HasSubstr("left04.jpg: not an image"));
 }
 
+// Without a number of its own, such a file once took the numbers of the images away, and with them the rig.
+TEST_F(BadInput, AFileThatIsNoImageCostsTheImagesNoNumber) {
+  RAYBUNDLE_NEEDS_DATA(kImages);
+  copy_images(8);
+  for (int i = 1; i <= 8; ++i) {
+    const std::string name = fmt::format("right{:02}.jpg", i);
+    fs::copy_file(real_data(kImages) / name, place / name);
+  }
+  write_text(place / "left_readme.txt", "taken on a Sunday");
+  const std::vector<std::string> rest{"--target", "chessboard:9x6:25mm", "--model", "brown_conrady"};
+  std::vector<std::string> pair{"--camera", "left=" + (place / "left*").string(), "--camera",
+                                "right=" + (place / "right*").string()};
+  pair.insert(pair.end(), rest.begin(), rest.end());
+  const nlohmann::json report = calibrate(place, pair);
+  ASSERT_EQ(report.at("cameras").size(), 2U);
+  EXPECT_EQ(camera_in(report, "left").at("views_used"), 8);
+  EXPECT_THAT(report.at("set_aside").dump(), HasSubstr("left_readme.txt\",\"reason\":\"not an image"));
+
+  for (const char* name : {"calibration.json", "report.json", "report.html"}) write_text(place / "out" / name, kOld);
+  std::vector<std::string> mixed{"--camera", "left=" + (place / "*").string()};
+  mixed.insert(mixed.end(), rest.begin(), rest.end());
+  refuses(mixed, 2, {"left01.jpg", "right01.jpg", "would both be frame 1"});
+}
+
 TEST_F(BadInput, AllImagesUnreadable) {
   for (int i = 1; i < 4; ++i) write_text(place / fmt::format("left{}.jpg", i), "this is not an image");
   refuses(images(), 3, {"left1.jpg", "not an image"});
