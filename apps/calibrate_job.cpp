@@ -8,6 +8,8 @@
 #include <chrono>
 #include <filesystem>
 #include <iterator>
+#include <map>
+#include <set>
 
 #include "calibration_summary.hpp"
 #include "data_warnings.hpp"
@@ -66,6 +68,41 @@ void require_models(const DetectedImages& images) {
                 fmt::format("camera {} has no model; give --model, as in --model kannala_brandt for a fisheye",
                             images.observations.problem.cameras[c].name));
   }
+}
+
+// An example of a camera's frames: `left_a.jpg is frame left_a of camera left`.
+std::string frame_example(const DetectedImages& images, int camera) {
+  const auto file = std::ranges::find(images.files, camera, &ImageFile::camera);
+  return fmt::format("{} is frame {} of camera {}", std::filesystem::path(file->path).filename().string(), file->frame,
+                     images.observations.problem.cameras[camera].name);
+}
+
+// Cameras are linked by frames, which are told by the names of images: where these have nothing in common, more images
+// would not help.
+void require_shared_frames(const DetectedImages& images) {
+  std::map<std::string, std::set<int>> cameras_of;  // by frame
+  std::set<int> cameras, linked;
+  for (const ImageFile& file : images.files) {
+    if (file.video) return;  // frames of videos are counted, so that they always have some in common
+    cameras.insert(file.camera);
+    cameras_of[file.frame].insert(file.camera);
+  }
+  for (const UnusedImage& image : images.unused) {  // some are no longer among the files, but had their number
+    const auto& all = images.observations.problem.cameras;
+    const auto camera = std::ranges::find(all, image.camera, &ProblemCamera::name);
+    cameras_of[image.frame].insert(static_cast<int>(camera - all.begin()));
+  }
+  for (const auto& [frame, sharing] : cameras_of) {
+    if (sharing.size() > 1) linked.insert(sharing.begin(), sharing.end());
+  }
+  const auto alone = std::ranges::find_if(cameras, [&](int camera) { return !linked.contains(camera); });
+  if (cameras.size() < 2 || alone == cameras.end()) return;
+  const int other = *alone == *cameras.begin() ? *std::next(cameras.begin()) : *cameras.begin();
+  throw Error(ErrorKind::kNotEnoughData,
+              fmt::format("no image of camera {} has the number of an image of another camera: {}, {}; name the images "
+                          "of one moment alike, as left01.jpg and right01.jpg",
+                          images.observations.problem.cameras[*alone].name, frame_example(images, *alone),
+                          frame_example(images, other)));
 }
 
 // A failed solve for want of data is explained by what the images show instead of the board.
@@ -183,6 +220,7 @@ void run_calibration(const CalibrateJob& job) {
   DetectedImages images = observe(job.input, dataset);
   require_models(images);
   require_views(images);
+  require_shared_frames(images);
   CalibrationProblem& problem = images.observations.problem;
   check_requirements(requirements, camera_names(problem.cameras), problem.laser.has_value());
   problem.rules = dataset.rules;

@@ -179,6 +179,27 @@ TEST_F(BadInput, BoardAlwaysParallelToTheImage) {
   }
 }
 
+// Times that differ by microseconds are different frames: what belongs together is not guessed.
+TEST_F(BadInput, TwoCamerasWhoseImagesHaveNoNumberInCommon) {
+  RAYBUNDLE_NEEDS_DATA(kImages);
+  const char* letters = "abcdef";
+  for (int i = 0; i < 6; ++i) {
+    for (const std::string side : {"left", "right"}) {
+      const fs::path image = real_data(kImages) / fmt::format("{}{:02}.jpg", side, i + 1);
+      fs::copy_file(image, place / fmt::format("{}_{}.jpg", side, letters[i]));
+      fs::copy_file(image, place / fmt::format("{}_at_140370939593783{}0{}.jpg", side, i, side == "left" ? 31 : 74));
+    }
+  }
+  const auto refuses_pair = [&](const std::string& names, const std::vector<std::string>& words) {
+    refuses(
+        {"--target", "chessboard:9x6:25mm", "--model", "brown_conrady", "--camera",
+         "left=" + (place / ("left" + names)).string(), "--camera", "right=" + (place / ("right" + names)).string()},
+        3, words);
+  };
+  refuses_pair("_?.jpg", {"left_a.jpg is frame left_a of camera left", "right_a.jpg is frame right_a of camera right"});
+  refuses_pair("_at_*.jpg", {"is frame 140370939593783", "of camera right", "name the images of one moment alike"});
+}
+
 TEST_F(BadInput, TwoCamerasWithoutASharedFrame) {
   SyntheticOptions options;
   options.cameras.resize(2);
