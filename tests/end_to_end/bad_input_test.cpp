@@ -9,6 +9,7 @@
 #include <random>
 
 #include "program.hpp"
+#include "raybundle/io/observations_file.hpp"
 #include "synthetic_world.hpp"
 #include "tables.hpp"
 
@@ -212,10 +213,27 @@ TEST_F(BadInput, TwoCamerasWithoutASharedFrame) {
           3, {"camera0", "camera1", "see the same board"});
 }
 
+// What observations.json says itself and a flag says otherwise would be ignored without a word.
+TEST_F(BadInput, FlagsThatObservationsMakeIdle) {
+  const ObservationsFile file{synthetic_world({}).problem, {}};
+  const std::string json = (place / "corners.json").string();
+  write_text(json, text_from_observations(file));
+  const std::vector<std::string> rest{"--observations", json, "--model", "kannala_brandt"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), rest.begin(), rest.end());
+    return more;
+  };
+  refuses(with({"--target", "chessboard:9x7:50mm"}), 2, {"corners.json", "another board than chessboard:9x7:50mm"});
+  refuses(with({"--image-size", "camera0=640x480"}), 2, {"--image-size", "leave it out"});
+  refuses(with({"--camera", "camera0=*.jpg"}), 2, {"--camera", "corners.json", "leave out"});
+  const nlohmann::json report = calibrate(place, with({"--target", "chessboard:9x7:40mm"}));  // says it once more
+  EXPECT_TRUE(report.contains("cameras"));
+}
+
 TEST_F(BadInput, MalformedFilesAreNamedWithTheirLine) {
   refuses_corners("broken.csv", "camera,frame,point_id,u,v\na,1,0,10,20\na,1,1,ten,20\n", 2, {"broken.csv:3"});
-  refuses_corners("broken.json", "{\"format\": \"raybundle observations\",\n \"version\": 1,\n \"targets\" [}\n", 2,
-                  {"broken.json:3"});
+  write_text(place / "broken.json", "{\"format\": \"raybundle observations\",\n \"version\": 1,\n \"targets\" [}\n");
+  refuses({"--observations", (place / "broken.json").string(), "--model", "pinhole"}, 2, {"broken.json:3"});
   write_text(place / "broken.vnl", "# filename x y level\na-1.jpg 10 20 0\na-1.jpg ten 20 0\n");
   refuses({"--observations", (place / "broken.vnl").string(), "--target", "chessboard:7x5:40mm", "--camera",
            "a=a-*.jpg", "--image-size", "a=640x480", "--model", "pinhole"},
