@@ -40,6 +40,13 @@ void take_start(const std::string& path, CalibrationProblem& problem) {
       throw Error(ErrorKind::kBadInput, fmt::format("camera {} is a {} in {}, but --model says {}", camera.name,
                                                     model_name(known.camera.model), path, model_name(camera.model)));
     }
+    if (known.camera.size != camera.size) {
+      throw Error(ErrorKind::kBadInput,
+                  fmt::format("camera {} has {}x{} images, but {}x{} in {}; start from a calibration of images of the "
+                              "same size",
+                              camera.name, camera.size.width, camera.size.height, known.camera.size.width,
+                              known.camera.size.height, path));
+    }
     camera.parameters = known.camera.parameters;
     camera.camera_from_rig = known.camera_from_rig;
   }

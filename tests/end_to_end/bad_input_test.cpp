@@ -312,6 +312,23 @@ TEST_F(BadInput, ValidateRefusesCamerasThatAreNotInTheCalibration) {
   EXPECT_THAT(run.err, HasSubstr("camera0"));
 }
 
+TEST_F(BadInput, StartFromImagesOfAnotherSize) {
+  const SyntheticWorld world = synthetic_world({});
+  const fs::path good = fresh_folder() / "good";
+  fs::create_directories(good);
+  const auto corners = [&](int width, int height) {
+    CalibrationProblem problem = world.problem;
+    problem.cameras[0].size = {width, height};
+    const fs::path file = good / fmt::format("{}.json", width);
+    write_text(file, text_from_observations({problem, {}}));
+    return std::vector<std::string>{"--observations", file.string(), "--model", "kannala_brandt"};
+  };
+  calibrate(good, corners(1280, 960));
+  std::vector<std::string> larger = corners(1920, 1440);
+  larger.insert(larger.end(), {"--start", (good / "out" / "calibration.json").string()});
+  refuses(larger, 2, {"camera0", "1920x1440", "1280x960", "calibration.json"});
+}
+
 TEST(BadUsage, UnknownVerbsAndFlags) {
   EXPECT_EQ(raybundle_program({"calibrat"}).exit_code, 2);
   EXPECT_EQ(raybundle_program({"calibrate", "--modell", "pinhole"}).exit_code, 2);
