@@ -74,6 +74,18 @@ bool truncated(const std::string& path) {
   return false;
 }
 
+// OpenCV throws at some damaged files and says of others that they are empty; only lack of memory is no fault of
+// theirs.
+cv::Mat decoded(const std::string& path, std::string& reason) try {
+  cv::Mat image = cv::imread(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
+  if (image.empty()) reason = "not an image that can be decoded";
+  return image;
+} catch (const cv::Exception& error) {
+  if (error.code == cv::Error::StsNoMem) throw;
+  reason = "the image file is damaged, or too large to be read";
+  return {};
+}
+
 bool ends_with_one_of(std::initializer_list<const char*> endings, const std::string& path) {
   std::string ending = std::filesystem::path(path).extension().string();
   std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -191,8 +203,7 @@ cv::Mat read_gray(const std::string& path, std::string& reason) {
     reason = "the image file is truncated";
     return {};
   }
-  cv::Mat image = cv::imread(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
-  if (image.empty()) reason = "not an image that can be decoded";
+  cv::Mat image = decoded(path, reason);
   if (!image.empty() && image.depth() != CV_8U && image.depth() != CV_16U) image.convertTo(image, CV_8U);
   return image;
 }

@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "image_files.hpp"
+
+#include <gmock/gmock.h>
+
+#include <array>
+#include <opencv2/imgcodecs.hpp>
+
+#include "program.hpp"
+#include "raybundle/geometry/error.hpp"
+
+namespace raybundle::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+// A PNG of a few bytes whose header asks for 60000 x 60000 pixels, which OpenCV answers with an exception.
+TEST(ReadsImages, AndSaysWhyAHeaderOfTooManyPixelsIsNone) {
+  constexpr std::array<unsigned char, 74> kBytes{
+      0x89, 'P',  'N',  'G',  0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 'I',  'H',  'D',  'R',  0x00, 0x00, 0xea,
+      0x60, 0x00, 0x00, 0xea, 0x60, 0x08, 0x00, 0x00, 0x00, 0x00, 0xa5, 0xb9, 0x2a, 0x9e, 0x00, 0x00, 0x00, 0x11, 'I',
+      'D',  'A',  'T',  0x78, 0x9c, 0x63, 0x60, 0x18, 0x05, 0xa3, 0x60, 0x14, 0x0c, 0x77, 0x00, 0x00, 0x03, 0xe8, 0x00,
+      0x01, 0xb3, 0xa6, 0xd3, 0x46, 0x00, 0x00, 0x00, 0x00, 'I',  'E',  'N',  'D',  0xae, 0x42, 0x60, 0x82};
+  const fs::path file = fresh_folder() / "left28.png";
+  write_text(file, {kBytes.begin(), kBytes.end()});
+  std::string reason;
+  EXPECT_TRUE(apps::read_gray(file.string(), reason).empty());
+  EXPECT_EQ(reason, "the image file is damaged, or too large to be read");
+}
+
+}  // namespace
+}  // namespace raybundle::testing
