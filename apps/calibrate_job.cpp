@@ -10,6 +10,7 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "calibration_summary.hpp"
 #include "data_warnings.hpp"
@@ -112,14 +113,18 @@ void require_shared_frames(const DetectedImages& images) {
                           frame_example(images, other)));
 }
 
-// A failed solve for want of data is explained by what the images show instead of the board.
+// A failed solve for want of data is explained by what was left out, and by what the images show instead of the board.
 CalibrationResult calibrate_explained(const CalibrationProblem& problem, const CalibrateOptions& options,
                                       const DetectedImages& images) try {
   return calibrate(problem, options);
 } catch (const Error& error) {
   if (error.kind() != ErrorKind::kNotEnoughData || images.unused.empty()) throw;
   std::string message = error.what();
-  message += fmt::format("; {} of {} images show no usable board", images.unused.size(), images.files.size());
+  std::set<std::pair<int, int>> used;  // camera and frame: an image may show several boards
+  for (const TargetView& view : problem.views) used.insert({view.camera, view.frame});
+  message += fmt::format("; {} of {} {} are left out, such as {}: {}", images.unused.size(),
+                         images.unused.size() + used.size(), images.files.empty() ? "views" : "images",
+                         images.unused.front().image, images.unused.front().reason);
   for (const std::string& hint : images.hints) message += "; " + hint;
   throw Error(error.kind(), message);
 }
