@@ -26,10 +26,25 @@
 namespace raybundle::apps {
 namespace {
 
+// Of a pattern in a folder that is there, the folder is no pattern, whatever characters its name has.
+std::string with_literal_folder(const std::string& pattern) {
+  const std::filesystem::path path(pattern);
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(path.parent_path(), ignored)) return pattern;
+  std::string folder;
+  for (const char c : path.parent_path().string()) {
+    if (std::strchr("*?[]{},\\", c) != nullptr) folder += '\\';
+    folder += c;
+  }
+  return (std::filesystem::path(folder) / path.filename()).string();
+}
+
 std::vector<std::string> glob_files(const std::string& pattern) {
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(pattern, ignored)) return {pattern};
   glob_t found{};
   std::vector<std::string> files;
-  if (glob(pattern.c_str(), GLOB_TILDE | GLOB_BRACE, nullptr, &found) == 0) {
+  if (glob(with_literal_folder(pattern).c_str(), GLOB_TILDE | GLOB_BRACE, nullptr, &found) == 0) {
     for (std::size_t i = 0; i < found.gl_pathc; ++i) {
       if (std::filesystem::is_regular_file(found.gl_pathv[i])) files.emplace_back(found.gl_pathv[i]);
     }

@@ -14,6 +14,7 @@ namespace raybundle::testing {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 // A PNG of a few bytes whose header asks for 60000 x 60000 pixels, which OpenCV answers with an exception.
@@ -28,6 +29,17 @@ TEST(ReadsImages, AndSaysWhyAHeaderOfTooManyPixelsIsNone) {
   std::string reason;
   EXPECT_TRUE(apps::read_gray(file.string(), reason).empty());
   EXPECT_EQ(reason, "the image file is damaged, or too large to be read");
+}
+
+// Brackets, braces and stars are characters of names, too.
+TEST(FindsImages, WhosePathsLookLikePatterns) {
+  const fs::path folder = fresh_folder() / "na me [1] {a,b} ü";
+  fs::create_directories(folder);
+  for (const char* name : {"left[01].jpg", "left[02].jpg"}) write_text(folder / name, "");
+  const auto found = [&](const char* name) { return apps::matching_files(folder.string(), {name}); };
+  EXPECT_THAT(found("left[02].jpg"), ElementsAre((folder / "left[02].jpg").string()));
+  EXPECT_EQ(found("left*.jpg").size(), 2U);
+  EXPECT_EQ(found("{left,right}?0[12]?.jpg").size(), 2U);
 }
 
 }  // namespace
