@@ -46,7 +46,10 @@ std::vector<std::string> glob_files(const std::string& pattern) {
   std::vector<std::string> files;
   if (glob(with_literal_folder(pattern).c_str(), GLOB_TILDE | GLOB_BRACE, nullptr, &found) == 0) {
     for (std::size_t i = 0; i < found.gl_pathc; ++i) {
-      if (std::filesystem::is_regular_file(found.gl_pathv[i])) files.emplace_back(found.gl_pathv[i]);
+      const std::string path = found.gl_pathv[i];
+      if (std::filesystem::is_regular_file(path, ignored)) files.push_back(path);
+      if (!std::filesystem::exists(path, ignored))
+        say_warning(path + " is left out: it links to a file that is not there");
     }
   }
   globfree(&found);
@@ -58,9 +61,9 @@ std::vector<std::string> glob_files(const std::string& pattern) {
   const std::string shown = folder.empty() ? "." : folder.string();
   std::error_code ignored;
   if (std::filesystem::is_directory(pattern, ignored)) {
-    throw Error(ErrorKind::kIo, fmt::format("no image matches '{0}': it is a folder; say which images in it, as in "
-                                            "'{0}/*.jpg'",
-                                            pattern));
+    throw Error(ErrorKind::kIo, fmt::format("no image matches '{}': it is a folder; say which images in it, as in "
+                                            "'{}'",
+                                            pattern, (std::filesystem::path(pattern) / "*.jpg").string()));
   }
   if (pattern.find('\\') != std::string::npos) {
     throw Error(ErrorKind::kIo, "no image matches '" + pattern + "': write / for \\ in paths");

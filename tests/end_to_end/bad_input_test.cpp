@@ -280,6 +280,15 @@ TEST_F(BadInput, OutputFolderCannotBeMade) {
   EXPECT_EQ(text_of(place / "file"), "a file");
 }
 
+TEST_F(BadInput, OutputFolderWithoutAName) {
+  std::vector<std::string> arguments = images();
+  arguments.insert(arguments.begin(), "calibrate");
+  arguments.insert(arguments.end(), {"-o", ""});
+  const ProgramRun run = raybundle_program(arguments);
+  EXPECT_EQ(run.exit_code, 2) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("the output folder has no name; give one with -o"));
+}
+
 TEST_F(BadInput, DetectionWithoutABoardLeavesTheEarlierCorners) {
   cv::imwrite((place / "left1.png").string(), cv::Mat(480, 640, CV_8U, cv::Scalar(128)));
   write_text(place / "observations.json", kOld);

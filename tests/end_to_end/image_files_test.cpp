@@ -42,5 +42,26 @@ TEST(FindsImages, WhosePathsLookLikePatterns) {
   EXPECT_EQ(found("{left,right}?0[12]?.jpg").size(), 2U);
 }
 
+TEST(FindsImages, AndNamesALinkToNothing) {
+  const fs::path folder = fresh_folder();
+  write_text(folder / "left1.jpg", "");
+  fs::create_symlink(folder / "nowhere", folder / "left2.jpg");
+  ::testing::internal::CaptureStderr();
+  EXPECT_THAT(apps::matching_files(folder.string(), {"left*"}), ElementsAre((folder / "left1.jpg").string()));
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("left2.jpg is left out: it links to a file"));
+}
+
+TEST(FindsImages, OfAFolderAsAPatternInIt) {
+  const std::string folder = fresh_folder().string();
+  for (const std::string& written : {folder, folder + "/"}) {
+    try {
+      apps::matching_files("", {written});
+      ADD_FAILURE() << written << " was taken";
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), HasSubstr("as in '" + folder + "/*.jpg'"));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace raybundle::testing
