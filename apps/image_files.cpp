@@ -104,6 +104,17 @@ cv::Mat decoded(const std::string& path, std::string& reason) try {
   return {};
 }
 
+// The same grey values in 8 or 16 bits; those of floating point may run to 1, as is the custom, or to what integers do.
+cv::Mat in_whole_numbers(const cv::Mat& image) {
+  if (image.depth() == CV_8U || image.depth() == CV_16U) return image;
+  double most = 0.0;
+  cv::minMaxLoc(image, nullptr, &most);
+  const bool to_one = most <= 1.0 && image.depth() >= CV_32F;
+  cv::Mat whole;
+  image.convertTo(whole, most > 255.0 ? CV_16U : CV_8U, to_one ? 255.0 : 1.0);
+  return whole;
+}
+
 bool ends_with_one_of(std::initializer_list<const char*> endings, const std::string& path) {
   std::string ending = std::filesystem::path(path).extension().string();
   std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -222,8 +233,7 @@ cv::Mat read_gray(const std::string& path, std::string& reason) {
     return {};
   }
   cv::Mat image = decoded(path, reason);
-  if (!image.empty() && image.depth() != CV_8U && image.depth() != CV_16U) image.convertTo(image, CV_8U);
-  return image;
+  return image.empty() ? image : in_whole_numbers(image);
 }
 
 cv::Mat read_gray(const std::string& path) {

@@ -31,6 +31,19 @@ TEST(ReadsImages, AndSaysWhyAHeaderOfTooManyPixelsIsNone) {
   EXPECT_EQ(reason, "the image file is damaged, or too large to be read");
 }
 
+TEST(ReadsImages, OfFloatingPoint) {
+  const std::string file = (fresh_folder() / "left1.tiff").string();
+  const auto read_of = [&](float black, float grey, float white) {
+    const cv::Mat_<float> image = (cv::Mat_<float>(1, 3) << black, grey, white);
+    cv::imwrite(file, image);
+    const cv::Mat_<int> read = apps::read_gray(file);
+    return std::vector<int>(read.begin(), read.end());
+  };
+  EXPECT_THAT(read_of(0.0F, 0.4F, 1.0F), ElementsAre(0, 102, 255));
+  EXPECT_THAT(read_of(0.0F, 102.0F, 255.0F), ElementsAre(0, 102, 255));
+  EXPECT_THAT(read_of(0.0F, 1020.0F, 4095.0F), ElementsAre(0, 1020, 4095));
+}
+
 // Brackets, braces and stars are characters of names, too.
 TEST(FindsImages, WhosePathsLookLikePatterns) {
   const fs::path folder = fresh_folder() / "na me [1] {a,b} ü";
