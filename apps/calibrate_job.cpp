@@ -8,6 +8,9 @@
 #include <chrono>
 #include <filesystem>
 #include <iterator>
+#include <map>
+#include <set>
+#include <utility>
 
 #include "calibration_summary.hpp"
 #include "data_warnings.hpp"
@@ -37,6 +40,13 @@ void take_start(const std::string& path, CalibrationProblem& problem) {
     if (known.camera.model != camera.model) {
       throw Error(ErrorKind::kBadInput, fmt::format("camera {} is a {} in {}, but --model says {}", camera.name,
                                                     model_name(known.camera.model), path, model_name(camera.model)));
+    }
+    if (known.camera.size != camera.size) {
+      throw Error(ErrorKind::kBadInput,
+                  fmt::format("camera {} has {}x{} images, but {}x{} in {}; start from a calibration of images of the "
+                              "same size",
+                              camera.name, camera.size.width, camera.size.height, known.camera.size.width,
+                              known.camera.size.height, path));
     }
     camera.parameters = known.camera.parameters;
     camera.camera_from_rig = known.camera_from_rig;
@@ -68,14 +78,53 @@ void require_models(const DetectedImages& images) {
   }
 }
 
-// A failed solve for want of data is explained by what the images show instead of the board.
+// An example of a camera's frames: `left_a.jpg is frame left_a of camera left`.
+std::string frame_example(const DetectedImages& images, int camera) {
+  const auto file = std::ranges::find(images.files, camera, &ImageFile::camera);
+  return fmt::format("{} is frame {} of camera {}", std::filesystem::path(file->path).filename().string(), file->frame,
+                     images.observations.problem.cameras[camera].name);
+}
+
+// Cameras are linked by frames, which are told by the names of images: where these have nothing in common, more images
+// would not help.
+void require_shared_frames(const DetectedImages& images) {
+  std::map<std::string, std::set<int>> cameras_of;  // by frame
+  std::set<int> cameras, linked;
+  for (const ImageFile& file : images.files) {
+    if (file.video) return;  // frames of videos are counted, so that they always have some in common
+    cameras.insert(file.camera);
+    cameras_of[file.frame].insert(file.camera);
+  }
+  for (const UnusedImage& image : images.unused) {  // some are no longer among the files, but had their number
+    const auto& all = images.observations.problem.cameras;
+    const auto camera = std::ranges::find(all, image.camera, &ProblemCamera::name);
+    cameras_of[image.frame].insert(static_cast<int>(camera - all.begin()));
+  }
+  for (const auto& [frame, sharing] : cameras_of) {
+    if (sharing.size() > 1) linked.insert(sharing.begin(), sharing.end());
+  }
+  const auto alone = std::ranges::find_if(cameras, [&](int camera) { return !linked.contains(camera); });
+  if (cameras.size() < 2 || alone == cameras.end()) return;
+  const int other = *alone == *cameras.begin() ? *std::next(cameras.begin()) : *cameras.begin();
+  throw Error(ErrorKind::kNotEnoughData,
+              fmt::format("no image of camera {} has the number of an image of another camera: {}, {}; name the images "
+                          "of one moment alike, as left01.jpg and right01.jpg",
+                          images.observations.problem.cameras[*alone].name, frame_example(images, *alone),
+                          frame_example(images, other)));
+}
+
+// A failed solve for want of data is explained by what was left out, and by what the images show instead of the board.
 CalibrationResult calibrate_explained(const CalibrationProblem& problem, const CalibrateOptions& options,
                                       const DetectedImages& images) try {
   return calibrate(problem, options);
 } catch (const Error& error) {
   if (error.kind() != ErrorKind::kNotEnoughData || images.unused.empty()) throw;
   std::string message = error.what();
-  message += fmt::format("; {} of {} images show no usable board", images.unused.size(), images.files.size());
+  std::set<std::pair<int, int>> used;  // camera and frame: an image may show several boards
+  for (const TargetView& view : problem.views) used.insert({view.camera, view.frame});
+  message += fmt::format("; {} of {} {} are left out, such as {}: {}", images.unused.size(),
+                         images.unused.size() + used.size(), images.files.empty() ? "views" : "images",
+                         images.unused.front().image, images.unused.front().reason);
   for (const std::string& hint : images.hints) message += "; " + hint;
   throw Error(error.kind(), message);
 }
@@ -183,6 +232,7 @@ void run_calibration(const CalibrateJob& job) {
   DetectedImages images = observe(job.input, dataset);
   require_models(images);
   require_views(images);
+  require_shared_frames(images);
   CalibrationProblem& problem = images.observations.problem;
   check_requirements(requirements, camera_names(problem.cameras), problem.laser.has_value());
   problem.rules = dataset.rules;

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <mutex>
 #include <opencv2/imgcodecs.hpp>
@@ -25,12 +26,30 @@
 namespace raybundle::apps {
 namespace {
 
+// Of a pattern in a folder that is there, the folder is no pattern, whatever characters its name has.
+std::string with_literal_folder(const std::string& pattern) {
+  const std::filesystem::path path(pattern);
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(path.parent_path(), ignored)) return pattern;
+  std::string folder;
+  for (const char c : path.parent_path().string()) {
+    if (std::strchr("*?[]{},\\", c) != nullptr) folder += '\\';
+    folder += c;
+  }
+  return (std::filesystem::path(folder) / path.filename()).string();
+}
+
 std::vector<std::string> glob_files(const std::string& pattern) {
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(pattern, ignored)) return {pattern};
   glob_t found{};
   std::vector<std::string> files;
-  if (glob(pattern.c_str(), GLOB_TILDE | GLOB_BRACE, nullptr, &found) == 0) {
+  if (glob(with_literal_folder(pattern).c_str(), GLOB_TILDE | GLOB_BRACE, nullptr, &found) == 0) {
     for (std::size_t i = 0; i < found.gl_pathc; ++i) {
-      if (std::filesystem::is_regular_file(found.gl_pathv[i])) files.emplace_back(found.gl_pathv[i]);
+      const std::string path = found.gl_pathv[i];
+      if (std::filesystem::is_regular_file(path, ignored)) files.push_back(path);
+      if (!std::filesystem::exists(path, ignored))
+        say_warning(path + " is left out: it links to a file that is not there");
     }
   }
   globfree(&found);
@@ -42,9 +61,9 @@ std::vector<std::string> glob_files(const std::string& pattern) {
   const std::string shown = folder.empty() ? "." : folder.string();
   std::error_code ignored;
   if (std::filesystem::is_directory(pattern, ignored)) {
-    throw Error(ErrorKind::kIo, fmt::format("no image matches '{0}': it is a folder; say which images in it, as in "
-                                            "'{0}/*.jpg'",
-                                            pattern));
+    throw Error(ErrorKind::kIo, fmt::format("no image matches '{}': it is a folder; say which images in it, as in "
+                                            "'{}'",
+                                            pattern, (std::filesystem::path(pattern) / "*.jpg").string()));
   }
   if (pattern.find('\\') != std::string::npos) {
     throw Error(ErrorKind::kIo, "no image matches '" + pattern + "': write / for \\ in paths");
@@ -73,29 +92,65 @@ bool truncated(const std::string& path) {
   return false;
 }
 
+// OpenCV throws at some damaged files and says of others that they are empty; only lack of memory is no fault of
+// theirs.
+cv::Mat decoded(const std::string& path, std::string& reason) try {
+  cv::Mat image = cv::imread(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
+  if (image.empty()) reason = "not an image that can be decoded";
+  return image;
+} catch (const cv::Exception& error) {
+  if (error.code == cv::Error::StsNoMem) throw;
+  reason = "the image file is damaged, or too large to be read";
+  return {};
+}
+
+// The same grey values in 8 or 16 bits; those of floating point may run to 1, as is the custom, or to what integers do.
+cv::Mat in_whole_numbers(const cv::Mat& image) {
+  if (image.depth() == CV_8U || image.depth() == CV_16U) return image;
+  double most = 0.0;
+  cv::minMaxLoc(image, nullptr, &most);
+  const bool to_one = most <= 1.0 && image.depth() >= CV_32F;
+  cv::Mat whole;
+  image.convertTo(whole, most > 255.0 ? CV_16U : CV_8U, to_one ? 255.0 : 1.0);
+  return whole;
+}
+
 bool ends_with_one_of(std::initializer_list<const char*> endings, const std::string& path) {
   std::string ending = std::filesystem::path(path).extension().string();
   std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return std::ranges::find(endings, ending) != endings.end();
 }
 
+// What a file holds says whether it may be an image, not how it is called.
+bool may_be_read(const std::string& path) { return is_video(path) || cv::haveImageReader(path); }
+
+// A file that is no image, as a list of lenses beside them, has no number and must not cost the images theirs: it keeps
+// its whole name, and whoever reads it says why it is left out.
 std::vector<ImageFile> files_of_camera(int camera, const std::vector<std::string>& paths) {
-  const std::vector<std::string> names = frame_names(paths);
+  std::vector<std::string> readable;
+  std::ranges::copy_if(paths, std::back_inserter(readable), may_be_read);
+  const std::vector<std::string> names = frame_names(readable);
   std::map<std::string, std::string> path_of_frame;
   std::vector<ImageFile> files;
-  for (std::size_t i = 0; i < paths.size(); ++i) {
-    const bool video = is_video(paths[i]);
+  std::size_t next = 0;  // of the readable ones
+  for (const std::string& path : paths) {
+    if (next == readable.size() || path != readable[next]) {
+      files.push_back({camera, path, std::filesystem::path(path).stem().string(), false});
+      continue;
+    }
+    const std::string& name = names[next++];
+    const bool video = is_video(path);
     if (video && paths.size() > 1) {
       throw Error(ErrorKind::kBadInput,
                   fmt::format("is a video among {} files of one camera, which has one video or images", paths.size()),
-                  paths[i]);
+                  path);
     }
-    const auto [before, is_new] = path_of_frame.insert({names[i], paths[i]});
+    const auto [before, is_new] = path_of_frame.insert({name, path});
     if (!is_new) {
       throw Error(ErrorKind::kBadInput, fmt::format("{} and {} would both be frame {}; narrow the image pattern",
-                                                    before->second, paths[i], names[i]));
+                                                    before->second, path, name));
     }
-    files.push_back({camera, paths[i], video ? "" : names[i], video});
+    files.push_back({camera, path, video ? "" : name, video});
   }
   return files;
 }
@@ -177,10 +232,8 @@ cv::Mat read_gray(const std::string& path, std::string& reason) {
     reason = "the image file is truncated";
     return {};
   }
-  cv::Mat image = cv::imread(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
-  if (image.empty()) reason = "not an image that can be decoded";
-  if (!image.empty() && image.depth() != CV_8U && image.depth() != CV_16U) image.convertTo(image, CV_8U);
-  return image;
+  cv::Mat image = decoded(path, reason);
+  return image.empty() ? image : in_whole_numbers(image);
 }
 
 cv::Mat read_gray(const std::string& path) {

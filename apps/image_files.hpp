@@ -14,7 +14,7 @@ namespace raybundle::apps {
 struct ImageFile {
   int camera = 0;
   std::string path;
-  std::string frame;  ///< name of the moment; empty for a video
+  std::string frame;  ///< name of the moment; empty for a video, the file's whole name when it is no image
   bool video = false;
 };
 
@@ -26,7 +26,7 @@ void sort_by_number(std::vector<std::string>& names);
 /// @throws Error(kIo) when a pattern matches nothing: names the pattern and the folder, and what is there instead
 std::vector<std::string> matching_files(const std::string& folder, const std::vector<std::string>& patterns);
 
-/// The image files of one camera with their frame names.
+/// The image files of one camera with their frame names, and those that match but are no images: they are told.
 ///
 /// @throws Error(kBadInput) when two files would be the same frame
 std::vector<ImageFile> image_files(int camera, const std::string& folder, const std::vector<std::string>& patterns);

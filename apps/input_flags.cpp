@@ -63,6 +63,44 @@ Board board_of(const std::string& text) {
 
 bool is_json(const std::string& path) { return path.ends_with(".json"); }
 
+bool is_vnl(const std::string& path) { return path.ends_with(".vnl"); }
+
+// A flag without effect would be believed to have had one.
+void refuse_idle_flags(const InputFlags& flags) {
+  const bool is_table = !flags.observations.empty() && !is_json(flags.observations);
+  if (!flags.sizes.empty() && !is_table) {
+    refuse(
+        "--image-size is for corners in a .csv or .vnl, while images and observations.json say their size themselves; "
+        "leave it out");
+  }
+  if (!flags.cameras.empty() && !flags.observations.empty() && !is_vnl(flags.observations)) {
+    refuse(fmt::format("--camera names images, but those of {} are not looked at; leave out --camera or --observations",
+                       flags.observations));
+  }
+}
+
+bool same_points(const Target& a, const Target& b) {
+  constexpr double kRounding = 1e-9;  // [m], of a file's decimal numbers
+  return std::ranges::equal(a.points, b.points, [](const TargetPoint& p, const TargetPoint& q) {
+    return p.id == q.id && (p.x_in_target - q.x_in_target).norm() < kRounding;
+  });
+}
+
+// observations.json holds its boards: another one that is given beside it would be ignored.
+void require_boards_of_file(const Dataset& dataset, const CalibrationProblem& problem, const std::string& path) {
+  for (const DatasetBoard& board : dataset.boards) {
+    const Target given = target_of(board.board);
+    if (std::ranges::any_of(problem.targets, [&](const Target& target) { return same_points(given, target); })) {
+      continue;
+    }
+    throw Error(
+        ErrorKind::kBadInput,
+        fmt::format("the corners are of another board than {}; leave --target out, or detect them again with it",
+                    word_of(board.board)),
+        path);
+  }
+}
+
 Target named_target(const DatasetBoard& board) {
   Target target = target_of(board.board);
   target.name = board.name;
@@ -121,6 +159,7 @@ Dataset dataset_of(const InputFlags& flags, bool need_models) {
                     "--camera left='left*.jpg'",
                     flags.dataset));
   }
+  refuse_idle_flags(flags);
   if (!flags.dataset.empty()) dataset = read_dataset(flags.dataset);
   if (flags.threads) dataset.options.threads = *flags.threads;
   if (!flags.target.empty()) dataset.boards = {{"board", board_of(flags.target)}};
@@ -171,7 +210,8 @@ DetectedImages observe(const InputFlags& flags, const Dataset& dataset) {
   ObservationsFile& file = images.observations;
   if (is_json(flags.observations)) {
     file = read_observations(flags.observations);
-  } else if (flags.observations.ends_with(".vnl")) {
+    require_boards_of_file(dataset, file.problem, flags.observations);
+  } else if (is_vnl(flags.observations)) {
     const std::map<std::string, ImageSize> sizes = sizes_of(flags);
     std::vector<VnlCamera> cameras;
     for (const DatasetCamera& camera : dataset.cameras) {

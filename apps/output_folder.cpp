@@ -34,6 +34,7 @@ std::vector<fs::path> missing_folders(const fs::path& folder) {
 }  // namespace
 
 void require_writable(const fs::path& folder) {
+  if (folder.empty()) throw Error(ErrorKind::kBadInput, "the output folder has no name; give one with -o, as -o out");
   const std::vector<fs::path> missing = missing_folders(folder);
   const fs::path parent = missing.empty() ? folder : missing.back().parent_path();
   const fs::path existing = parent.empty() ? fs::path(".") : parent;

@@ -267,8 +267,8 @@ std::string hint_for(const cv::Mat& gray, const Grid& grid, const MarkerSearch& 
   const int other = board.border_bits == 1 ? 2 : 1;
   const auto read = find_markers(gray, grid.codes, other).markers.size();
   if (read < 3) return {};
-  return fmt::format("{} tags seen with a border of {} bit{}: try border_bits = {}", read, other, other == 1 ? "" : "s",
-                     other);
+  return fmt::format("{} tags seen with a border of {} bit{}: try :{}bit (in TOML border_bits = {})", read, other,
+                     other == 1 ? "" : "s", other, other);
 }
 
 }  // namespace

@@ -22,6 +22,11 @@ std::size_t agreeing(const MarkerSearch& search, const Charuco& board) {
   return consistent_markers(search.markers, charuco_layout(board)).size();
 }
 
+// A flag of the board as it is written in a word and in TOML.
+std::string setting(const char* name, bool value) {
+  return fmt::format("{}:{} (in TOML {} = {})", value ? "" : "without ", name, name, value);
+}
+
 // The setting under which more than half of the markers agree.
 std::string layout_hint(const MarkerSearch& search, const Charuco& board) {
   Charuco other = board;
@@ -29,8 +34,8 @@ std::string layout_hint(const MarkerSearch& search, const Charuco& board) {
   const std::size_t seen = search.markers.size();
   const std::size_t agree = agreeing(search, other);
   if (agree >= kFewestMarkers && agree > agreeing(search, board)) {
-    return fmt::format("{} markers seen, but they stand as on a board of the {} layout: try legacy = {}", seen,
-                       other.legacy ? "legacy" : "new", other.legacy);
+    return fmt::format("{} markers seen, but they stand as on a board of the {} layout: try {}", seen,
+                       other.legacy ? "legacy" : "new", setting("legacy", other.legacy));
   }
   return {};
 }
@@ -52,9 +57,9 @@ std::string charuco_hint(const cv::Mat& upright, const Charuco& board, const Mar
   if (const std::size_t agree = std::max(agreeing(inverted, board), agreeing(inverted, other));
       agree >= kFewestMarkers) {
     const std::string legacy =
-        agreeing(inverted, other) > agreeing(inverted, board) ? fmt::format(" and legacy = {}", other.legacy) : "";
-    return fmt::format("{} markers seen with black and white exchanged: try inverted = {}{}", agree, !board.inverted,
-                       legacy);
+        agreeing(inverted, other) > agreeing(inverted, board) ? " and " + setting("legacy", other.legacy) : "";
+    return fmt::format("{} markers seen with black and white exchanged: try {}{}", agree,
+                       setting("inverted", !board.inverted), legacy);
   }
   // Without quadrilaterals there is nothing that another dictionary could read.
   if (search.unread.size() < kFewestMarkers) return {};

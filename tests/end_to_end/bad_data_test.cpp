@@ -250,6 +250,17 @@ TEST_F(BadData, ABoardInTheWrongUnitIsNamed) {
   EXPECT_THAT(told(problem, "chessboard:9x7:0.04mm"), HasSubstr("lie 4e-05 m apart: is the unit right"));
 }
 
+// Frames that repeat the first one leave too few views, and the sentence counts what the table holds: no images.
+TEST_F(BadData, OneViewAgainAndAgain) {
+  CalibrationProblem problem = world(5).problem;
+  for (TargetView& view : problem.views) view.observations = problem.views.front().observations;
+  write_text(place / "corners.csv", csv_of(problem));
+  const ProgramRun run = raybundle_program(arguments("corners.csv"));
+  EXPECT_EQ(run.exit_code, 3) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("4 of 5 views are left out, such as "));
+  EXPECT_THAT(run.err, HasSubstr("shows exactly what frame "));
+}
+
 TEST_F(BadData, FewViewsAreNamed) {
   EXPECT_THAT(told(world(14).problem), Not(HasSubstr("too few")));
   EXPECT_THAT(told(world(5).problem), HasSubstr("stands on 5 views only, too few"));

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "program.hpp"
+#include "raybundle/io/observations_file.hpp"
 #include "synthetic_world.hpp"
 #include "tables.hpp"
 
@@ -92,6 +93,30 @@ TEST_F(BadInput, TruncatedAndUnreadableImagesAmongGoodOnesAreNamedAndLeftOut) {
   EXPECT_THAT(reasons, HasSubstr("left04.jpg: not an image"));
 }
 
+// Without a number of its own, such a file once took the numbers of the images away, and with them the rig.
+TEST_F(BadInput, AFileThatIsNoImageCostsTheImagesNoNumber) {
+  RAYBUNDLE_NEEDS_DATA(kImages);
+  copy_images(8);
+  for (int i = 1; i <= 8; ++i) {
+    const std::string name = fmt::format("right{:02}.jpg", i);
+    fs::copy_file(real_data(kImages) / name, place / name);
+  }
+  write_text(place / "left_readme.txt", "taken on a Sunday");
+  const std::vector<std::string> rest{"--target", "chessboard:9x6:25mm", "--model", "brown_conrady"};
+  std::vector<std::string> pair{"--camera", "left=" + (place / "left*").string(), "--camera",
+                                "right=" + (place / "right*").string()};
+  pair.insert(pair.end(), rest.begin(), rest.end());
+  const nlohmann::json report = calibrate(place, pair);
+  ASSERT_EQ(report.at("cameras").size(), 2U);
+  EXPECT_EQ(camera_in(report, "left").at("views_used"), 8);
+  EXPECT_THAT(report.at("set_aside").dump(), HasSubstr("left_readme.txt\",\"reason\":\"not an image"));
+
+  for (const char* name : {"calibration.json", "report.json", "report.html"}) write_text(place / "out" / name, kOld);
+  std::vector<std::string> mixed{"--camera", "left=" + (place / "*").string()};
+  mixed.insert(mixed.end(), rest.begin(), rest.end());
+  refuses(mixed, 2, {"left01.jpg", "right01.jpg", "would both be frame 1"});
+}
+
 TEST_F(BadInput, AllImagesUnreadable) {
   for (int i = 1; i < 4; ++i) write_text(place / fmt::format("left{}.jpg", i), "this is not an image");
   refuses(images(), 3, {"left1.jpg", "not an image"});
@@ -155,6 +180,27 @@ TEST_F(BadInput, BoardAlwaysParallelToTheImage) {
   }
 }
 
+// Times that differ by microseconds are different frames: what belongs together is not guessed.
+TEST_F(BadInput, TwoCamerasWhoseImagesHaveNoNumberInCommon) {
+  RAYBUNDLE_NEEDS_DATA(kImages);
+  const char* letters = "abcdef";
+  for (int i = 0; i < 6; ++i) {
+    for (const std::string side : {"left", "right"}) {
+      const fs::path image = real_data(kImages) / fmt::format("{}{:02}.jpg", side, i + 1);
+      fs::copy_file(image, place / fmt::format("{}_{}.jpg", side, letters[i]));
+      fs::copy_file(image, place / fmt::format("{}_at_140370939593783{}0{}.jpg", side, i, side == "left" ? 31 : 74));
+    }
+  }
+  const auto refuses_pair = [&](const std::string& names, const std::vector<std::string>& words) {
+    refuses(
+        {"--target", "chessboard:9x6:25mm", "--model", "brown_conrady", "--camera",
+         "left=" + (place / ("left" + names)).string(), "--camera", "right=" + (place / ("right" + names)).string()},
+        3, words);
+  };
+  refuses_pair("_?.jpg", {"left_a.jpg is frame left_a of camera left", "right_a.jpg is frame right_a of camera right"});
+  refuses_pair("_at_*.jpg", {"is frame 140370939593783", "of camera right", "name the images of one moment alike"});
+}
+
 TEST_F(BadInput, TwoCamerasWithoutASharedFrame) {
   SyntheticOptions options;
   options.cameras.resize(2);
@@ -167,10 +213,27 @@ TEST_F(BadInput, TwoCamerasWithoutASharedFrame) {
           3, {"camera0", "camera1", "see the same board"});
 }
 
+// What observations.json says itself and a flag says otherwise would be ignored without a word.
+TEST_F(BadInput, FlagsThatObservationsMakeIdle) {
+  const ObservationsFile file{synthetic_world({}).problem, {}};
+  const std::string json = (place / "corners.json").string();
+  write_text(json, text_from_observations(file));
+  const std::vector<std::string> rest{"--observations", json, "--model", "kannala_brandt"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), rest.begin(), rest.end());
+    return more;
+  };
+  refuses(with({"--target", "chessboard:9x7:50mm"}), 2, {"corners.json", "another board than chessboard:9x7:50mm"});
+  refuses(with({"--image-size", "camera0=640x480"}), 2, {"--image-size", "leave it out"});
+  refuses(with({"--camera", "camera0=*.jpg"}), 2, {"--camera", "corners.json", "leave out"});
+  const nlohmann::json report = calibrate(place, with({"--target", "chessboard:9x7:40mm"}));  // says it once more
+  EXPECT_TRUE(report.contains("cameras"));
+}
+
 TEST_F(BadInput, MalformedFilesAreNamedWithTheirLine) {
   refuses_corners("broken.csv", "camera,frame,point_id,u,v\na,1,0,10,20\na,1,1,ten,20\n", 2, {"broken.csv:3"});
-  refuses_corners("broken.json", "{\"format\": \"raybundle observations\",\n \"version\": 1,\n \"targets\" [}\n", 2,
-                  {"broken.json:3"});
+  write_text(place / "broken.json", "{\"format\": \"raybundle observations\",\n \"version\": 1,\n \"targets\" [}\n");
+  refuses({"--observations", (place / "broken.json").string(), "--model", "pinhole"}, 2, {"broken.json:3"});
   write_text(place / "broken.vnl", "# filename x y level\na-1.jpg 10 20 0\na-1.jpg ten 20 0\n");
   refuses({"--observations", (place / "broken.vnl").string(), "--target", "chessboard:7x5:40mm", "--camera",
            "a=a-*.jpg", "--image-size", "a=640x480", "--model", "pinhole"},
@@ -217,6 +280,15 @@ TEST_F(BadInput, OutputFolderCannotBeMade) {
   EXPECT_EQ(text_of(place / "file"), "a file");
 }
 
+TEST_F(BadInput, OutputFolderWithoutAName) {
+  std::vector<std::string> arguments = images();
+  arguments.insert(arguments.begin(), "calibrate");
+  arguments.insert(arguments.end(), {"-o", ""});
+  const ProgramRun run = raybundle_program(arguments);
+  EXPECT_EQ(run.exit_code, 2) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("the output folder has no name; give one with -o"));
+}
+
 TEST_F(BadInput, DetectionWithoutABoardLeavesTheEarlierCorners) {
   cv::imwrite((place / "left1.png").string(), cv::Mat(480, 640, CV_8U, cv::Scalar(128)));
   write_text(place / "observations.json", kOld);
@@ -247,6 +319,23 @@ TEST_F(BadInput, ValidateRefusesCamerasThatAreNotInTheCalibration) {
   EXPECT_EQ(run.exit_code, 2) << run.err;
   EXPECT_THAT(run.err, HasSubstr("camera9"));
   EXPECT_THAT(run.err, HasSubstr("camera0"));
+}
+
+TEST_F(BadInput, StartFromImagesOfAnotherSize) {
+  const SyntheticWorld world = synthetic_world({});
+  const fs::path good = fresh_folder() / "good";
+  fs::create_directories(good);
+  const auto corners = [&](int width, int height) {
+    CalibrationProblem problem = world.problem;
+    problem.cameras[0].size = {width, height};
+    const fs::path file = good / fmt::format("{}.json", width);
+    write_text(file, text_from_observations({problem, {}}));
+    return std::vector<std::string>{"--observations", file.string(), "--model", "kannala_brandt"};
+  };
+  calibrate(good, corners(1280, 960));
+  std::vector<std::string> larger = corners(1920, 1440);
+  larger.insert(larger.end(), {"--start", (good / "out" / "calibration.json").string()});
+  refuses(larger, 2, {"camera0", "1920x1440", "1280x960", "calibration.json"});
 }
 
 TEST(BadUsage, UnknownVerbsAndFlags) {

@@ -68,14 +68,24 @@ bool speaks_of(const ParameterRule& rule, const ParameterBlock& block, const Par
   return matches(rule.pattern, block.group) || matches(rule.pattern, parameter.name);
 }
 
+// A focal length of zero or less projects nothing, and the solve would break down over it.
+void require_focal_length(const ParameterRule& rule, const ParameterBlock& block, std::size_t index) {
+  const bool focal = block.kind == ParameterBlock::Kind::kIntrinsics && index < 2;  // fx, fy
+  if (!focal || !rule.value || *rule.value > 0.0) return;
+  throw Error(ErrorKind::kBadInput, "'" + rule.pattern + "' sets " + block.parameters[index].name +
+                                        ", a focal length, to zero or less; give the focal length in pixels");
+}
+
 void apply_rule(const ParameterRule& rule, std::vector<ParameterBlock>& blocks) {
   if (rule.kind == RuleKind::kPrior && !(rule.sigma > 0.0)) {
     throw Error(ErrorKind::kBadInput, "the prior on '" + rule.pattern + "' needs a sigma above zero");
   }
   bool matched = false;
   for (ParameterBlock& block : blocks) {
-    for (Parameter& parameter : block.parameters) {
+    for (std::size_t i = 0; i < block.parameters.size(); ++i) {
+      Parameter& parameter = block.parameters[i];
       if (!speaks_of(rule, block, parameter)) continue;
+      require_focal_length(rule, block, i);
       parameter.kind = rule.kind;
       parameter.value = rule.kind == RuleKind::kFree ? std::nullopt : rule.value;
       parameter.sigma = rule.sigma;

@@ -158,5 +158,20 @@ TEST_F(Rules, RuleThatMatchesNothingNamesWhatThereIs) {
   EXPECT_THROW(solve_bundle(world_.problem, start_), Error);
 }
 
+TEST_F(Rules, AFocalLengthOfZeroOrLessIsRefused) {
+  for (const ParameterRule& rule : {ParameterRule{"camera0.fx", Kind::kFixed, -500.0, 0},
+                                    {"*.fy", Kind::kPrior, -500.0, 5},
+                                    {"camera1.intrinsics", Kind::kFixed, 0.0, 0}}) {
+    world_.problem.rules = {rule};
+    try {
+      parameter_blocks(world_.problem);
+      ADD_FAILURE() << rule.pattern << " was taken";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+      EXPECT_THAT(error.what(), HasSubstr("'" + rule.pattern + "' sets camera"));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace raybundle::testing

@@ -54,7 +54,7 @@ TEST(RealAprilGrid, OfAnotherBorderNamesIt) {
   board.border_bits = 1;
   const Detection detection = detect(board, image);
   EXPECT_TRUE(detection.observations.empty());
-  EXPECT_NE(detection.hint.find("border_bits = 2"), std::string::npos) << detection.hint;
+  EXPECT_NE(detection.hint.find("try :2bit (in TOML border_bits = 2)"), std::string::npos) << detection.hint;
 }
 
 }  // namespace

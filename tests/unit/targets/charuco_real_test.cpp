@@ -49,7 +49,9 @@ TEST(RealCharuco, OfTheOtherLayoutGivesNothingButTheSettingToChange) {
     for (const auto& file : files) {
       const Detection detection = detect(board, testing::grey_image(file));
       EXPECT_TRUE(detection.observations.empty()) << file;
-      EXPECT_NE(detection.hint.find(legacy ? "legacy = true" : "legacy = false"), std::string::npos)
+      EXPECT_NE(detection.hint.find(legacy ? "try :legacy (in TOML legacy = true)"
+                                           : "try without :legacy (in TOML legacy = false)"),
+                std::string::npos)
           << file << ": " << detection.hint;
     }
   }
@@ -61,10 +63,10 @@ TEST(RealCharuco, OfTheOtherPolarityDictionaryOrSizeNamesIt) {
   const cv::Mat image = testing::grey_image(files.front());
   cv::Mat inverse;
   cv::bitwise_not(image, inverse);
-  EXPECT_NE(detect(lifecam_board(), inverse).hint.find("inverted = true"), std::string::npos);
+  EXPECT_NE(detect(lifecam_board(), inverse).hint.find("try :inverted (in TOML inverted = true)"), std::string::npos);
   Charuco board = lifecam_board();
   board.inverted = true;
-  EXPECT_NE(detect(board, image).hint.find("inverted = false"), std::string::npos);
+  EXPECT_NE(detect(board, image).hint.find("try without :inverted (in TOML inverted = false)"), std::string::npos);
   EXPECT_EQ(detect(board, inverse).observations.size(), detect(lifecam_board(), image).observations.size());
 
   board = lifecam_board();
