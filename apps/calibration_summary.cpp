@@ -36,6 +36,24 @@ std::string seen_text(const CalibrationProblem& problem, const CalibrationResult
   return fmt::format("{:.0f}°", degrees(farthest));
 }
 
+// Pixels for each radian on the axis, which lenses of any model have, with its sigma: fx means something else in some.
+std::string focal_text(const RigCamera& camera, const Covariance& covariance) {
+  const std::vector<std::string_view> names = parameter_names(camera.camera.model);
+  Eigen::VectorXd slopes = Eigen::VectorXd::Zero(std::ssize(covariance.names));
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const auto found = std::ranges::find(covariance.names, fmt::format("{}.{}", camera.name, names[k]));
+    if (found == covariance.names.end()) continue;
+    const auto index = static_cast<Eigen::Index>(k);
+    const double step = 1e-5 * std::max(1.0, std::abs(camera.camera.parameters[index]));
+    Camera more = camera.camera, less = camera.camera;
+    more.parameters[index] += step;
+    less.parameters[index] -= step;
+    slopes[found - covariance.names.begin()] = (focal_on_axis_px(more) - focal_on_axis_px(less)) / (2.0 * step);
+  }
+  const double variance = slopes.dot(covariance.matrix * slopes);
+  return fmt::format("{:.2f} ± {:.2f}", focal_on_axis_px(camera.camera), std::sqrt(std::max(0.0, variance)));
+}
+
 std::string camera_table(const CalibrationProblem& problem, const CalibrationResult& result) {
   std::vector<std::vector<std::string>> rows{
       {"camera", "model", "views", "corners", "left out", "rms px", "median px", "focal px", "seen to"}};
@@ -49,8 +67,7 @@ std::string camera_table(const CalibrationProblem& problem, const CalibrationRes
     if (found != result.calibration.cameras.end()) {
       row.push_back(fmt::format("{:.3f}", summary.rms_px));
       row.push_back(fmt::format("{:.3f}", summary.median_px));
-      row.push_back(
-          fmt::format("{:.2f} ± {:.2f}", found->camera.fx(), result.calibration.covariance.sigma(name + ".fx")));
+      row.push_back(focal_text(*found, result.calibration.covariance));
       row.push_back(seen_text(problem, result, static_cast<int>(c), found->camera));
     }
     rows.push_back(row);

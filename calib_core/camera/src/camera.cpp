@@ -73,6 +73,13 @@ std::optional<Eigen::Vector3d> ray_from_pixel(const Camera& camera, const Eigen:
   });
 }
 
+double focal_on_axis_px(const Camera& camera) {
+  constexpr double kOff = 1e-3;
+  const auto left = pixel_from_ray(camera, Eigen::Vector3d(-kOff, 0, 1));
+  const auto right = pixel_from_ray(camera, Eigen::Vector3d(kOff, 0, 1));
+  return left && right ? (*right - *left).norm() / (2.0 * kOff) : 0.0;
+}
+
 double max_angle_rad(const Camera& camera) {
   return with_model(camera.model, [&]<CameraModel M>() { return M::max_angle_rad(camera.parameters.data() + 4); });
 }

@@ -183,15 +183,6 @@ LensGuess lens_in_model(ModelId model, ImageSize size, const std::vector<PointsI
   return best;
 }
 
-/// Pixels for each radian at the middle of a lens: what fx is to a rectilinear one. 0 where it does not project.
-double focal_on_axis_px(const LensFunctions& lens, const LensVector& parameters) {
-  constexpr double kOff = 1e-3;
-  Eigen::Vector2d left, right;
-  if (!lens.project(parameters.data(), Eigen::Vector3d(-kOff, 0, 1), left)) return 0.0;
-  if (!lens.project(parameters.data(), Eigen::Vector3d(kOff, 0, 1), right)) return 0.0;
-  return (right - left).norm() / (2.0 * kOff);
-}
-
 /// What the views make of several start lenses, the best first, in the model asked for: those that differ and are
 /// nearly as good as the best, which comes first.
 std::vector<LensGuess> lenses_in_model(const ProblemCamera& camera, const std::vector<PointsInView>& chosen,
@@ -207,12 +198,14 @@ std::vector<LensGuess> lenses_in_model(const ProblemCamera& camera, const std::v
   }
   if (lenses.empty()) throw Error(ErrorKind::kNotEnoughData, best_open, "camera " + camera.name);
   std::ranges::stable_sort(lenses, {}, &LensGuess::score_px);
-  const LensFunctions functions = lens_functions(camera.model);
+  const auto focal_px = [&](const LensGuess& lens) {
+    return focal_on_axis_px({camera.model, camera.size, lens.parameters});
+  };
   std::vector<LensGuess> kept;
   for (const LensGuess& lens : lenses) {
-    const double focal = focal_on_axis_px(functions, lens.parameters);
+    const double focal = focal_px(lens);
     const bool known = std::ranges::any_of(kept, [&](const LensGuess& other) {
-      const double of_other = focal_on_axis_px(functions, other.parameters);
+      const double of_other = focal_px(other);
       return std::abs(focal - of_other) <= kOtherFocal * std::max(focal, of_other);
     });
     if (!known && lens.score_px <= kNearlyAsGood * lenses.front().score_px) kept.push_back(lens);

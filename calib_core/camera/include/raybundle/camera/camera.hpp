@@ -81,6 +81,10 @@ std::optional<Eigen::Vector2d> pixel_from_ray(const Camera& camera, const Eigen:
 /// Unit ray that lands on a pixel; nothing where no ray does.
 std::optional<Eigen::Vector3d> ray_from_pixel(const Camera& camera, const Eigen::Vector2d& pixel);
 
+/// Pixels for each radian off the axis, along x: what fx is to models that leave the axis as a pinhole has it. 0 where
+/// the camera does not project.
+double focal_on_axis_px(const Camera& camera);
+
 /// Half-angle [rad] up to which the camera's radial profile is increasing, at most pi.
 double max_angle_rad(const Camera& camera);
 
