@@ -5,7 +5,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
+#include <map>
+#include <set>
+#include <tuple>
+#include <utility>
 
 namespace raybundle::apps {
 namespace {
@@ -30,6 +35,43 @@ double spacing_m(const Target& target) {
   return *middle;
 }
 
+// Whether most corners of a view are in another one at the very same pixels, which two cameras never give. Not all of
+// them: what a first solve predicts is refined from where each camera's lens puts it.
+bool same_image(const TargetView& a, const TargetView& b) {
+  using Corner = std::tuple<int, double, double>;
+  const auto corners_of = [](const TargetView& view) {
+    std::set<Corner> corners;
+    for (const Observation& seen : view.observations) corners.emplace(seen.point_id, seen.pixel.x(), seen.pixel.y());
+    return corners;
+  };
+  std::vector<Corner> same;
+  if (a.target == b.target) std::ranges::set_intersection(corners_of(a), corners_of(b), std::back_inserter(same));
+  return 2 * same.size() > a.observations.size();
+}
+
+// Pairs of cameras that were given the same images.
+std::vector<std::string> shared_image_warnings(const CalibrationProblem& problem) {
+  std::map<int, std::vector<const TargetView*>> views_of_frame;
+  std::map<std::pair<int, int>, std::set<int>> frames;  // that show the same, by cameras
+  for (const TargetView& view : problem.views) {
+    for (const TargetView* other : views_of_frame[view.frame]) {
+      if (other->camera == view.camera || !same_image(view, *other)) continue;
+      frames[std::minmax(other->camera, view.camera)].insert(view.frame);
+    }
+    views_of_frame[view.frame].push_back(&view);
+  }
+  std::vector<std::string> warnings;
+  for (const auto& [cameras, same] : frames) {
+    warnings.push_back(
+        fmt::format("{} and {} have corners at exactly the same pixels in {} frames, such as {}: the images of one "
+                    "camera were given as the other's, too, and where one is from the other means nothing; check the "
+                    "image patterns",
+                    problem.cameras[cameras.first].name, problem.cameras[cameras.second].name, same.size(),
+                    problem.frames[*same.begin()]));
+  }
+  return warnings;
+}
+
 }  // namespace
 
 std::string unit_warning(const Target& target) {
@@ -47,6 +89,7 @@ std::vector<std::string> data_warnings(const CalibrationProblem& problem, const 
   for (const Target& target : problem.targets) {
     if (const std::string warning = unit_warning(target); !warning.empty()) warnings.push_back(warning);
   }
+  std::ranges::copy(shared_image_warnings(problem), std::back_inserter(warnings));
   for (std::size_t c = 0; c < problem.cameras.size(); ++c) {
     const int views = result.cameras[c].views_used;
     if (views == 0 || views >= kFewViews) continue;

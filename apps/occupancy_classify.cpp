@@ -17,6 +17,7 @@
 #include "occupancy_page.hpp"
 #include "output_folder.hpp"
 #include "page_text.hpp"
+#include "points_json.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/occupancy/case_base_file.hpp"
 #include "raybundle/scene/atomic_file.hpp"
@@ -168,6 +169,8 @@ void run(const Flags& flags) {
   if (!flags.page.empty()) require_writable_file(flags.page, "--page");
   Answers answers(base);
   const bool stereo = sensor_kind_of(base) == SensorKind::kStereo;
+  // Points of the other sensor come with a vehicle file that lacks what this one has: the points say which it is.
+  read_points_json(files.front(), stereo ? kStereoPoints : kLaserPoints, [](const nlohmann::json&) {});
   const std::string page = (stereo ? classify_stereo : classify_laser)(flags, files, base, answers);
   if (!flags.page.empty()) write_file_whole(flags.page, page);
   fmt::print("{}", flags.json ? answers.json() : answers.text());

@@ -30,21 +30,14 @@ std::string place_text(const ResidualBias& bias, int part) {
 
 // The band whose radial mean chance explains least.
 std::string band_text(const ResidualBias& bias) {
-  int strongest = -1;
-  double most = 3.0;  // sigmas; below, it is not worth a word
-  for (std::size_t i = 0; i < bias.bands.size(); ++i) {
-    const ResidualGroup& band = bias.bands[i];
-    if (band.views < kFewestViews || !(band.mean_sigma_px > 0.0)) continue;
-    const double sigmas = std::abs(band.mean_px.x()) / band.mean_sigma_px;
-    if (sigmas <= most) continue;
-    most = sigmas;
-    strongest = static_cast<int>(i);
-  }
+  constexpr double kFewestSigmas = 3.0;  // below, it is not worth a word
+  const int strongest = bias.strongest_band();
   if (strongest < 0) return "";
+  const ResidualGroup& band = bias.bands[static_cast<std::size_t>(strongest)];
+  if (band.first_sigmas() <= kFewestSigmas) return "";
   const double degrees = bias.band_rad * 180.0 / M_PI;
-  return fmt::format(", outwards by {:+.3f} px from {:.0f}° to {:.0f}° off the axis",
-                     bias.bands[static_cast<std::size_t>(strongest)].mean_px.x(), strongest * degrees,
-                     (strongest + 1) * degrees);
+  return fmt::format(", outwards by {:+.3f} px from {:.0f}° to {:.0f}° off the axis", band.mean_px.x(),
+                     strongest * degrees, (strongest + 1) * degrees);
 }
 
 }  // namespace

@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <span>
+#include <utility>
 
 #include "image_files.hpp"
 #include "laser_images.hpp"
@@ -23,10 +25,27 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Real pairs match 12 to 43 % of what both cameras show; with left and right exchanged, by chance, 5 to 12 %, which is
+// Real pairs match 10 to 42 % of what both cameras show; with left and right exchanged, by chance, 4 to 6 %, which is
 // a third of what they match the right way round, and at most a half.
 constexpr double kFewMatched = 0.25;
 constexpr double kExchanged = 1.5;  // times as many matches the other way round
+
+// Sensors' noise spreads an image of nothing over a few grey values, and any scene over far more.
+constexpr int kFewGreys = 16;
+constexpr double kStray = 0.01;  // of the pixels on either side: dead ones, and light past what covers the lens
+
+// Why nothing can be matched in an image of one grey; empty for any other.
+std::string blank_reason(const cv::Mat& image, const std::string& path) {
+  std::array<int, 256> count{};
+  for (const std::uint8_t grey : cv::Mat_<std::uint8_t>(image)) ++count[grey];
+  const auto stray = static_cast<int>(kStray * static_cast<double>(image.total()));
+  int darkest = 0, brightest = 255;
+  for (int below = count[0]; below <= stray; below += count[static_cast<std::size_t>(darkest)]) ++darkest;
+  for (int above = count[255]; above <= stray; above += count[static_cast<std::size_t>(brightest)]) --brightest;
+  if (brightest - darkest >= kFewGreys) return {};
+  return fmt::format("{} shows nothing, its grey values are {} to {}: is the camera covered, or badly exposed?", path,
+                     darkest, brightest);
+}
 
 cv::Mat image_at(const std::string& path) {
   const cv::Mat image = read_gray(path);
@@ -104,7 +123,7 @@ void StereoReconstruction::reconstruct(const StereoMoment& moment, const StereoI
   }
   flags_.json ? static_cast<void>(fmt::print("{}", files.json)) : print_row(name, frame);
   std::fflush(stdout);
-  judge(name, frame, images);
+  judge(moment, frame, images);
 }
 
 void StereoReconstruction::finish() const {
@@ -146,14 +165,15 @@ double StereoReconstruction::matched_share(int matched) const {
 }
 
 // The last that is done with a frame: to look whether left and right are exchanged is to match once more.
-void StereoReconstruction::judge(const std::string& name, const StereoFrame& frame, const StereoImages& images) {
+void StereoReconstruction::judge(const StereoMoment& moment, const StereoFrame& frame, const StereoImages& images) {
+  const std::string& name = moment.name;
   const double share = matched_share(frame.disparity.matched);
   const bool missed = frame.state != State::kOk;
   bool exchanged = false;
   if (share < kFewMatched && setup_.left.camera.size == setup_.right.camera.size) {
     const StereoFrame other = setup_.matcher.process(view_of(images.right), view_of(images.left));
     const double other_share = matched_share(other.disparity.matched);
-    exchanged = other_share > kExchanged * share;
+    exchanged = other_share > kExchanged * share && 100 * other_share >= flags_.stereo.least_matched_percent;
     if (exchanged) {
       say_warning(
           fmt::format("{}: left and right seem to be exchanged: {:.1f} % was matched, the other way round it "
@@ -161,8 +181,13 @@ void StereoReconstruction::judge(const std::string& name, const StereoFrame& fra
                       name, 100 * share, 100 * other_share));
     }
   }
-  if (missed && !exchanged)
+  if (missed && !exchanged) {
     say_warning(fmt::format("{}: only {:.1f} % of what both cameras show was matched", name, 100 * share));
+    for (const auto& [image, path] : {std::pair(&images.left, &moment.left), std::pair(&images.right, &moment.right)}) {
+      const std::string reason = blank_reason(*image, *path);
+      if (!reason.empty()) say_warning(fmt::format("{}: {}", name, reason));
+    }
+  }
   missed_ += missed && !exchanged;
   exchanged_ += exchanged;
 }

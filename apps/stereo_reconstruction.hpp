@@ -56,7 +56,7 @@ class StereoReconstruction {
  private:
   void require_sizes(const StereoMoment& moment, const StereoImages& images) const;
   void reconstruct(const StereoMoment& moment, const StereoImages& images);
-  void judge(const std::string& name, const StereoFrame& frame, const StereoImages& images);
+  void judge(const StereoMoment& moment, const StereoFrame& frame, const StereoImages& images);
   void print_row(const std::string& name, const StereoFrame& frame) const;
   double matched_share(int matched) const;
   std::filesystem::path page_file() const;

@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <CLI/App.hpp>
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -27,10 +30,22 @@ struct SurveyFlags {
   bool json = false;
 };
 
+// The camera of --camera or the only one; else those that the sightings name, each of which then has to name one.
+std::set<std::string> cameras_meant(const Calibration& calibration, const std::string& name, const Survey& survey) {
+  if (!name.empty() || calibration.cameras.size() == 1) return {chosen_camera(calibration, name).name};
+  std::set<std::string> names;
+  for (const Sighting& sighting : survey.sightings) names.insert(chosen_camera(calibration, sighting.camera).name);
+  return names;
+}
+
 void run(const SurveyFlags& flags) {
   const CalibrationFile file = read_calibration(flags.calibration);
-  const RigCamera& camera = chosen_camera(file.calibration, flags.camera);
-  const std::vector<SurveyImage> images = check_survey(file.calibration, camera, read_survey(flags.input));
+  const Survey survey = read_survey(flags.input);
+  std::vector<SurveyImage> images;
+  for (const std::string& name : cameras_meant(file.calibration, flags.camera, survey)) {
+    std::ranges::copy(check_survey(file.calibration, camera_named(file.calibration, name), survey),
+                      std::back_inserter(images));
+  }
   const double rms = rms_px(images);
   const bool passed = flags.max_rms_px <= 0.0 || rms <= flags.max_rms_px;
   if (flags.json) {
@@ -55,7 +70,9 @@ void add_survey_verb(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("survey", "a calibration against surveyed landmarks: the far field");
   verb->add_option("calibration", flags->calibration, "calibration.json")->required()->type_name("CALIBRATION");
   add_survey_flags(*verb, true, flags->input);
-  verb->add_option("--camera", flags->camera, "name; may be left out when there is only one")->type_name("NAME");
+  verb->add_option("--camera", flags->camera,
+                   "name; may be left out when there is only one, or when the sightings name theirs")
+      ->type_name("NAME");
   verb->add_option("--max-rms", flags->max_rms_px, "gate: rms over all landmarks [px]")->check(CLI::PositiveNumber);
   verb->add_flag("--json", flags->json, "print the result as JSON");
   verb->footer(

@@ -98,12 +98,12 @@ nlohmann::ordered_json json_from_survey(const SurveySummary& survey) {
 
 std::string survey_table(const std::vector<SurveyImage>& images) {
   std::vector<std::vector<std::string>> rows{
-      {"image", "landmark", "range", "du px", "dv px", "sigma px", "sigmas", ""}};
+      {"image", "camera", "landmark", "range", "du px", "dv px", "sigma px", "sigmas", ""}};
   for (const SurveyImage& image : images) {
     for (const LandmarkResidual& l : image.landmarks) {
-      rows.push_back({image.image, l.landmark, range_text(l.range_m), fmt::format("{:.2f}", l.residual_px.x()),
-                      fmt::format("{:.2f}", l.residual_px.y()), fmt::format("{:.2f}", l.sigma_px),
-                      fmt::format("{:.1f}", l.sigmas), l.used ? "" : "left out"});
+      rows.push_back({image.image, image.camera, l.landmark, range_text(l.range_m),
+                      fmt::format("{:.2f}", l.residual_px.x()), fmt::format("{:.2f}", l.residual_px.y()),
+                      fmt::format("{:.2f}", l.sigma_px), fmt::format("{:.1f}", l.sigmas), l.used ? "" : "left out"});
     }
   }
   return text_table(rows) + survey_lines(images);

@@ -35,10 +35,12 @@ struct CameraVerdict {
   double limit_px = 0.0;
   double min_share = 0.0;
   ResidualBias bias = {};
+  int views_apart = 0;  // of those used, in which another camera saw the board in another place
 
-  double share() const { return summary.views_total > 0 ? double(summary.views_used) / summary.views_total : 0.0; }
+  int views_fitting() const { return summary.views_used - views_apart; }
+  double share() const { return summary.views_total > 0 ? double(views_fitting()) / summary.views_total : 0.0; }
   bool fits() const { return summary.views_used > 0 && summary.rms_px <= limit_px; }
-  bool enough_views() const { return summary.views_used > 0 && share() >= min_share; }
+  bool enough_views() const { return views_fitting() > 0 && share() >= min_share; }
   bool passed() const { return fits() && enough_views(); }
 };
 
@@ -58,6 +60,7 @@ void print_json(const std::vector<CameraVerdict>& verdicts, const std::optional<
                        {"median_px", verdict.summary.median_px},
                        {"limit_px", verdict.limit_px},
                        {"views_used", verdict.summary.views_used},
+                       {"views_apart", verdict.views_apart},
                        {"views_total", verdict.summary.views_total},
                        {"min_views_share", verdict.min_share},
                        {"corners_used", verdict.summary.corners_used},
@@ -73,9 +76,10 @@ void print_table(const std::vector<CameraVerdict>& verdicts) {
   std::vector<std::vector<std::string>> rows{{"camera", "views", "corners", "rms px", "median px", "limit px", ""}};
   for (const CameraVerdict& verdict : verdicts) {
     const CameraSummary& s = verdict.summary;
-    rows.push_back({verdict.name, fmt::format("{}/{}", s.views_used, s.views_total), fmt::format("{}", s.corners_used),
-                    fmt::format("{:.3f}", s.rms_px), fmt::format("{:.3f}", s.median_px),
-                    fmt::format("{:.3f}", verdict.limit_px), verdict.passed() ? "pass" : "FAIL"});
+    rows.push_back({verdict.name, fmt::format("{}/{}", verdict.views_fitting(), s.views_total),
+                    fmt::format("{}", s.corners_used), fmt::format("{:.3f}", s.rms_px),
+                    fmt::format("{:.3f}", s.median_px), fmt::format("{:.3f}", verdict.limit_px),
+                    verdict.passed() ? "pass" : "FAIL"});
   }
   fmt::print("{}", text_table(rows));
   for (const CameraVerdict& verdict : verdicts) {
@@ -88,8 +92,11 @@ std::string why_failed(const CameraVerdict& verdict) {
   const CameraSummary& s = verdict.summary;
   if (s.views_used == 0) return fmt::format("{}: none of its {} views fits", verdict.name, s.views_total);
   if (!verdict.enough_views()) {
-    return fmt::format("{}: only {} of its {} views fit, and {:.0f} % have to (--min-views)", verdict.name,
-                       s.views_used, s.views_total, 100 * verdict.min_share);
+    const std::string apart =
+        fmt::format("; in {} of them another camera saw the board in another place", verdict.views_apart);
+    return fmt::format("{}: only {} of its {} views fit, and {:.0f} % have to (--min-views){}", verdict.name,
+                       verdict.views_fitting(), s.views_total, 100 * verdict.min_share,
+                       verdict.views_apart > 0 ? apart : "");
   }
   return fmt::format("{}: {:.3f} px is above its limit of {:.3f} px (--max-rms)", verdict.name, s.rms_px,
                      verdict.limit_px);
@@ -98,6 +105,13 @@ std::string why_failed(const CameraVerdict& verdict) {
 void print_next_step(const std::vector<CameraVerdict>& verdicts) {
   for (const CameraVerdict& verdict : verdicts) {
     if (!verdict.passed()) fmt::print("FAIL  {}\n", why_failed(verdict));
+  }
+  const auto apart = [](const CameraVerdict& verdict) { return !verdict.enough_views() && verdict.views_apart > 0; };
+  if (std::ranges::any_of(verdicts, apart)) {
+    fmt::print(
+        "next  do the images that have the same number belong to the same moment? If so the cameras have moved against "
+        "each other since, or the board moved between their exposures: calibrate again, with the board held still\n");
+    return;
   }
   fmt::print(
       "next  look at a few of these images: sharp, the same board, the same focus and zoom? If so the camera has "
@@ -123,6 +137,10 @@ void run(const ValidateFlags& flags) {
     const Camera& lens = camera_named(file.calibration, name).camera;
     verdicts.push_back({name, result.cameras[c], limit_px(flags, file, name), flags.min_share,
                         residual_bias(problem, result, static_cast<int>(c), lens)});
+  }
+  for (const SetAside& aside : result.set_aside) {
+    const auto camera = static_cast<std::size_t>(problem.views[aside.view].camera);
+    verdicts[camera].views_apart += aside.scope == SetAside::Scope::kExtrinsics;
   }
   std::optional<LaserVerdict> dots;
   const bool any_dots =

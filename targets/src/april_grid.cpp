@@ -254,8 +254,20 @@ std::vector<Marker> of_this_board(const std::vector<Marker>& markers, const Apri
   return mine;
 }
 
+// A tag's mirror image is no tag of the family.
+std::size_t tags_in_mirror_image(const cv::Mat& gray, Grid grid) {
+  cv::Mat flipped;
+  cv::flip(gray, flipped, 1);
+  const MarkerSearch search = find_markers(flipped, grid.codes, grid.board.border_bits);
+  return choose_turn(grid, of_this_board(search.markers, grid.board)).size();
+}
+
 std::string hint_for(const cv::Mat& gray, const Grid& grid, const MarkerSearch& search) {
   const AprilGrid& board = grid.board;
+  if (search.markers.size() + search.unread.size() >= 3) {
+    const std::size_t mirrored = tags_in_mirror_image(gray, grid);
+    if (mirrored >= 3) return fmt::format("{} tags are read in the image's mirror image: {}", mirrored, kMirrored);
+  }
   if (search.markers.size() >= 3) {
     return fmt::format(
         "{} tags of family {} seen, but they do not stand as on a board of {} x {} tags from tag {}: check columns, "

@@ -40,10 +40,21 @@ std::string layout_hint(const MarkerSearch& search, const Charuco& board) {
   return {};
 }
 
+// A code's mirror image is another code or none.
+std::string mirror_hint(const cv::Mat& upright, const Charuco& board, const MarkerSearch& search) {
+  if (search.markers.size() + search.unread.size() < kFewestMarkers) return {};
+  cv::Mat flipped;
+  cv::flip(upright, flipped, 1);
+  const std::size_t agree = agreeing(find_markers(flipped, dictionary_named(board.dictionary), 1), board);
+  if (agree < kFewestMarkers || agree <= agreeing(search, board)) return {};
+  return fmt::format("{} markers are read in the image's mirror image: {}", agree, kMirrored);
+}
+
 }  // namespace
 
 std::string charuco_hint(const cv::Mat& upright, const Charuco& board, const MarkerSearch& search) {
   if (std::string hint = layout_hint(search, board); !hint.empty()) return hint;
+  if (std::string hint = mirror_hint(upright, board, search); !hint.empty()) return hint;
   if (search.markers.size() >= kFewestMarkers && agreeing(search, board) < kFewestMarkers) {
     return fmt::format(
         "{} markers of {} seen, but they do not stand as on a board of {} x {} squares: check columns and rows",

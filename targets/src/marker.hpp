@@ -49,6 +49,9 @@ double misread_bits(const cv::Mat& gray, const Quad& corners, const cv::Ptr<cv::
 bool reads_as(const cv::Mat& gray, const Quad& corners, const cv::Ptr<cv::aruco::Dictionary>& dictionary,
               int border_bits = 1);
 
+/// What to do about images whose markers are read only when they are flipped.
+inline constexpr const char* kMirrored = "the images are mirrored; take them as the camera does, not flipped";
+
 /// The saddle of a board at a predicted place, or near it.
 ///
 /// @param sector    window as for refine_saddle; the bright sector lies between half_x and half_y

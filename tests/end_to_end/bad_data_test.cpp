@@ -147,6 +147,24 @@ TEST_F(BadData, RepeatedImagesAreNamedAndLeftOut) {
   EXPECT_EQ(without_provenance(place / "out" / "calibration.json"), once);
 }
 
+// One pattern of images for both cameras gives a perfect pair without a baseline.
+TEST_F(BadData, ImagesOfOneCameraGivenAsAnothersAreNamed) {
+  CalibrationProblem problem = world().problem;
+  problem.cameras.push_back(problem.cameras[0]);
+  problem.cameras[1].name = "camera1";
+  const std::size_t views = problem.views.size();
+  for (std::size_t v = 0; v < views; ++v) {
+    TargetView copy = problem.views[v];
+    copy.camera = 1;
+    problem.views.push_back(copy);
+  }
+  write_text(place / "same.json", text_from_observations({problem, {}}));
+  const ProgramRun run = raybundle_program({"calibrate", "--observations", (place / "same.json").string(), "--model",
+                                            "kannala_brandt", "-o", (place / "out").string()});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("warning: camera0 and camera1 have corners at exactly the same pixels in 14 frames"));
+}
+
 TEST_F(BadData, ColumnsInTheWrongOrder) {
   CalibrationProblem problem = world().problem;
   for (TargetView& view : problem.views) {

@@ -153,6 +153,14 @@ TEST(Occupancy, SaysWhatIsWrongWithItsInput) {
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_NE(unknown.err.find("colour"), std::string::npos);
 
+  // A pair's vehicle file has no section [sensor]; that the base is a laser's says more.
+  write_text(folder / "pair.json", R"({"format": "raybundle stereo points", "version": 1})");
+  write_text(folder / "pair.toml", vehicle.substr(0, vehicle.find("[sensor]")));
+  const ProgramRun pair = classify(learnt_base(), "pair.json", "pair.toml");
+  EXPECT_EQ(pair.exit_code, 2);
+  EXPECT_NE(pair.err.find("holds points of stereo, but the base was learnt for structured-light"), std::string::npos)
+      << pair.err;
+
   const ProgramRun incomplete = raybundle_program({"occupancy", "classify", learnt_base(), "points.json"});
   EXPECT_EQ(incomplete.exit_code, 2);
   EXPECT_NE(incomplete.err.find("raybundle occupancy classify --help"), std::string::npos) << incomplete.err;

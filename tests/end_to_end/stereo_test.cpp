@@ -163,6 +163,32 @@ TEST(ReconstructStereo, FailsTheGateForImagesThatHaveNothingInCommon) {
   EXPECT_NE(unrelated.err.find("of one moment"), std::string::npos) << unrelated.err;
 }
 
+// A camera that sees nothing, exactly black or with the sensor's noise: nothing of it counts as matched, and it is
+// named.
+TEST(ReconstructStereo, FailsTheGateForACoveredCamera) {
+  RAYBUNDLE_NEEDS_DATA("opencv_stereo_chess");
+  const std::string images = real_data("opencv_stereo_chess").string() + "/";
+  const fs::path folder = calibrated_pairs(images);
+  const std::string black = (folder / "black01.png").string(), noise = (folder / "noise01.png").string();
+  cv::Mat grey(480, 640, CV_8U, cv::Scalar(0));
+  cv::imwrite(black, grey);
+  cv::randn(grey, 252.0, 2.0);
+  cv::imwrite(noise, grey);
+  const auto run = [&](const std::string& left, const std::string& right) {
+    return raybundle_program({"reconstruct", "stereo", (folder / "out" / "calibration.json").string(), left, right,
+                              "-o", (folder / "points").string(), "--json"});
+  };
+  for (const auto& [left, right] :
+       {std::pair(black, noise), std::pair(images + "left01.jpg", black), std::pair(noise, images + "right01.jpg")}) {
+    const ProgramRun blank = run(left, right);
+    EXPECT_EQ(blank.exit_code, 1);
+    EXPECT_EQ(nlohmann::json::parse(blank.out).at("state"), "DEGRADED");
+    EXPECT_NE(blank.err.find("01.png shows nothing"), std::string::npos) << blank.err;
+    EXPECT_EQ(blank.err.find("exchange"), std::string::npos) << blank.err;
+    EXPECT_EQ(blank.err.find("01.jpg shows nothing"), std::string::npos) << blank.err;
+  }
+}
+
 // Some of what is exchanged matches by chance, more than the gate asks for.
 TEST(ReconstructStereo, SaysThatLeftAndRightAreExchanged) {
   RAYBUNDLE_NEEDS_DATA("opencv_stereo_chess");

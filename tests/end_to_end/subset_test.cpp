@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <map>
 
 #include "program.hpp"
 #include "synthetic_world.hpp"
@@ -130,6 +131,32 @@ TEST_F(Subsets, ValidationPassesOnTheOtherHalfAndFailsAnImpossibleGate) {
   const ProgramRun failed = raybundle_program(with({"validate", file, "--json", "--max-rms", "0.01"}, held_out));
   EXPECT_EQ(failed.exit_code, 1) << failed.err;
   EXPECT_EQ(nlohmann::json::parse(failed.out).at("passed"), false);
+}
+
+// Each image fits its own camera, whatever its number: only both cameras together tell that pairs are mixed up.
+TEST_F(Subsets, ValidationFailsForPairsOfDifferentMoments) {
+  calibrate(place, with(all, kBrown));
+  const fs::path mixed = place / "mixed";
+  fs::create_directories(mixed);
+  const std::map<int, int> other{{1, 2}, {2, 1}, {3, 4}, {4, 3}};
+  for (int number = 1; number <= 9; ++number) {
+    const int right = other.contains(number) ? other.at(number) : number;
+    fs::copy_file(real_data(kStereo) / fmt::format("left0{}.jpg", number), mixed / fmt::format("left{}.jpg", number));
+    fs::copy_file(real_data(kStereo) / fmt::format("right0{}.jpg", right), mixed / fmt::format("right{}.jpg", number));
+  }
+  const auto validate = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"validate", (place / "out" / "calibration.json").string(), "--target",
+                               "chessboard:9x6:25mm", "--camera", "left=" + (mixed / "left*.jpg").string()});
+    return raybundle_program(more);
+  };
+  const std::string right = "right=" + (mixed / "right*.jpg").string();
+  const ProgramRun run = validate({"--camera", right});
+  EXPECT_EQ(run.exit_code, 1) << run.out;
+  EXPECT_NE(run.out.find("saw the board in another place"), std::string::npos) << run.out;
+  const nlohmann::json verdict = nlohmann::json::parse(validate({"--camera", right, "--json"}).out);
+  EXPECT_EQ(verdict.at("passed"), false);
+  for (const char* name : {"left", "right"}) EXPECT_GE(camera_in(verdict, name).at("views_apart"), 4) << name;
+  EXPECT_EQ(validate({}).exit_code, 0) << "the left camera alone has nothing to disagree with";
 }
 
 TEST_F(Subsets, ProjectAndUnprojectUndoEachOther) {

@@ -81,6 +81,36 @@ TEST(Surveys, ACalibrationIsCheckedAndImprovedByLandmarks) {
   EXPECT_EQ(with["provenance"]["inputs"].size(), without["provenance"]["inputs"].size() + 2);
 }
 
+// The camera of a sighting stands in its column: then nobody has to name it a second time.
+TEST(Surveys, SightingsNameTheirCameras) {
+  RAYBUNDLE_NEEDS_DATA(kFolder);
+  const fs::path place = fresh_folder();
+  std::vector<std::string> both = boards();
+  both.insert(both.end(), {"--camera", "right=" + (real_data(kFolder) / "right*.jpg").string()});
+  calibrate(place, both);
+  write_text(place / "stars.csv", "name,azimuth,elevation,sigma\na,0,0,0.01\nb,10,0,0.01\nc,0,10,0.01\n");
+  const auto survey = [&](const std::string& header, const std::string& camera, const std::string& other) {
+    std::string clicks = header + "\n";
+    for (const std::string& name : {camera, other}) {
+      for (const char* click : {"342.6,235.2,a", "440,235,b", "342,140,c"})
+        clicks += "night.jpg," + (click + name) + "\n";
+    }
+    write_text(place / "clicks.csv", clicks);
+    return raybundle_program({"survey", (place / "out" / "calibration.json").string(), "--landmarks",
+                              (place / "stars.csv").string(), "--sightings", (place / "clicks.csv").string(),
+                              "--json"});
+  };
+  const ProgramRun named = survey("image,u,v,name,camera", ",right", ",left");
+  ASSERT_EQ(named.exit_code, 0) << named.err;
+  const nlohmann::json images = nlohmann::json::parse(named.out)["images"];
+  ASSERT_EQ(images.size(), 2u);
+  EXPECT_EQ(images[0]["camera"], "left");
+  EXPECT_EQ(images[1]["camera"], "right");
+  const ProgramRun half_named = survey("image,u,v,name,camera", ",right", ",");
+  EXPECT_EQ(half_named.exit_code, 2);
+  EXPECT_THAT(half_named.err, HasSubstr("which camera?"));
+}
+
 TEST(Surveys, WhatIsWrongIsNamed) {
   RAYBUNDLE_NEEDS_DATA(kFolder);
   const fs::path place = fresh_folder();

@@ -10,6 +10,7 @@
 
 #include "motion_findings.hpp"
 #include "raybundle/uncertainty/drift.hpp"
+#include "raybundle/uncertainty/residual_bias.hpp"
 #include "sensitivity.hpp"
 
 namespace raybundle {
@@ -20,8 +21,27 @@ constexpr double kEnoughTilt = 0.35;     // [rad] 20°: below, focal length and 
 constexpr double kEnoughDepth = 1.5;     // farthest over nearest board
 constexpr double kWeakDirection = 1000;  // times worse than the parameters one at a time
 constexpr double kDriftSigmas = 5.0;
+constexpr double kRadialSigmas = 4.0;  // lenses that fit stay below 2, those that plainly do not reach 4 to 10
+constexpr double kRadialShare = 0.2;   // of the rms: what is less is no plain misfit, however many corners show it
 
 double degrees(double radians) { return radians * 180.0 / M_PI; }
+
+// Residuals that point outwards at some angles and inwards at others are what a model with too few parameters leaves.
+std::optional<Finding> lens_finding(const ResidualBias& bias, const RigCamera& camera) {
+  const int strongest = bias.strongest_band();
+  if (strongest < 0) return std::nullopt;
+  const ResidualGroup& band = bias.bands[static_cast<std::size_t>(strongest)];
+  const double outwards = band.mean_px.x();
+  const bool good = band.first_sigmas() < kRadialSigmas || std::abs(outwards) < kRadialShare * bias.rms_px;
+  if (good) return Finding{camera.name, "lens", true, "the residuals have no direction outwards or inwards", {}};
+  return Finding{
+      camera.name, "lens", false,
+      fmt::format("the residuals point {} by {:.2f} px from {:.0f}° to {:.0f}° off the axis, {:.0f} sigmas: "
+                  "{} does not fit this lens",
+                  outwards > 0 ? "outwards" : "inwards", std::abs(outwards), degrees(strongest * bias.band_rad),
+                  degrees((strongest + 1) * bias.band_rad), band.first_sigmas(), model_name(camera.camera.model)),
+      "before anything else choose a model with more parameters, or for a wider field"};
+}
 
 Finding image_finding(const CameraCoverage& seen) {
   Finding finding{seen.camera,
@@ -138,7 +158,8 @@ std::optional<Finding> drift_finding(const RigCamera& camera, double rms_px, con
                  good ? "" : "was the lens or its mount touched, or did it warm up? Then calibrate from one half only"};
 }
 
-std::optional<Finding> shape_finding(const CalibratedTarget& target) {
+// A bend makes up for much of a lens that does not fit: then it says nothing about the board.
+std::optional<Finding> shape_finding(const CalibratedTarget& target, bool lenses_fit) {
   const BoardShape& shape = target.shape;
   const double largest = std::max({std::abs(shape.bend_x_m), std::abs(shape.bend_y_m), std::abs(shape.twist_m)});
   if (largest == 0.0) return std::nullopt;
@@ -148,6 +169,11 @@ std::optional<Finding> shape_finding(const CalibratedTarget& target) {
   }
   constexpr double kFlatEnough = 0.005;  // of the diagonal; beyond, bend and twist do not describe a sheet any more
   const bool good = largest < kFlatEnough * width;
+  if (!good && !lenses_fit) {
+    return Finding{target.target.name, "shape", false,
+                   fmt::format("it would be bent by up to {:.2f} mm, which may be the lens instead", 1e3 * largest),
+                   "look at it again when the lens fits"};
+  }
   return Finding{target.target.name, "shape", good,
                  fmt::format("it is bent by up to {:.2f} mm, which the solve allows for", 1e3 * largest),
                  good ? "" : "glue it to something stiff"};
@@ -159,23 +185,28 @@ std::vector<Finding> findings(const CalibrationProblem& problem, const Calibrati
                               const std::vector<CameraCoverage>& seen) {
   std::vector<Finding> all;
   const std::vector<Drift> drifts = drift_between_halves(problem, result);
+  bool lenses_fit = true;
   for (std::size_t c = 0; c < seen.size(); ++c) {
     const RigCamera& camera = result.calibration.cameras[c];
     const auto named = std::ranges::find(problem.cameras, camera.name, &ProblemCamera::name);
-    const double rms_px = result.cameras[named - problem.cameras.begin()].rms_px;
+    const auto index = static_cast<int>(named - problem.cameras.begin());
+    const double rms_px = result.cameras[index].rms_px;
+    if (const auto finding = lens_finding(residual_bias(problem, result, index, camera.camera), camera)) {
+      lenses_fit = lenses_fit && finding->good;
+      all.push_back(*finding);
+    }
     all.push_back(image_finding(seen[c]));
     all.push_back(angle_finding(seen[c]));
     all.push_back(tilt_finding(seen[c]));
     all.push_back(distance_finding(seen[c]));
     if (const auto finding = parameters_finding(camera, result.calibration.covariance)) all.push_back(*finding);
     if (const auto finding = drift_finding(camera, rms_px, drifts, result.calibration)) all.push_back(*finding);
-    const auto index = static_cast<int>(named - problem.cameras.begin());
     if (const auto finding = shutter_finding(problem, result, index)) all.push_back(*finding);
   }
   if (const auto finding = sync_finding(problem, result)) all.push_back(*finding);
   if (const auto finding = repetition_finding(problem, result)) all.push_back(*finding);
   for (const CalibratedTarget& target : result.calibration.targets) {
-    if (const auto finding = shape_finding(target)) all.push_back(*finding);
+    if (const auto finding = shape_finding(target, lenses_fit)) all.push_back(*finding);
   }
   return all;
 }

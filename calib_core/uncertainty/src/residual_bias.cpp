@@ -92,6 +92,16 @@ double ResidualGroup::sigmas() const {
   return views >= kFewestViews && mean_sigma_px > 0.0 ? mean_px.norm() / mean_sigma_px : 0.0;
 }
 
+double ResidualGroup::first_sigmas() const {
+  return views >= kFewestViews && mean_sigma_px > 0.0 ? std::abs(mean_px.x()) / mean_sigma_px : 0.0;
+}
+
+int ResidualBias::strongest_band() const {
+  const auto strongest = std::ranges::max_element(bands, {}, &ResidualGroup::first_sigmas);
+  if (strongest == bands.end() || strongest->first_sigmas() == 0.0) return -1;
+  return static_cast<int>(strongest - bands.begin());
+}
+
 bool ResidualBias::significant() const { return strongest_sigmas > kBeyondDoubtSigmas; }
 
 ResidualBias residual_bias(const CalibrationProblem& problem, const CalibrationResult& result, int camera,

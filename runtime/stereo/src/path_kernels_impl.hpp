@@ -133,20 +133,25 @@ inline void judge_row(JudgeRow row) {
   const BestRow& best = row.best;
 #pragma GCC ivdep
   for (int x = row.extent.begin; x < row.extent.end; ++x) {
-    const bool at_end = ((best.disparity[x] == 0) & (row.first[x] > row.least)) | (best.disparity[x] == row.last);
+    // The first one, too, where it is 0: what is there is too far for a point, or has come along the paths from the
+    // rim, where no other disparity is possible.
+    const bool at_end = (best.disparity[x] == 0) | (best.disparity[x] == row.last);
+    // Equal costs that are not the largest: those of unlike windows do not grow any further.
+    const bool no_texture =
+        (best.before[x] == best.cost[x]) & (best.after[x] == best.cost[x]) & (best.cost[x] < row.most);
     const int rise = std::min(best.before[x], best.after[x]) - best.cost[x];
     std::uint8_t state = rise < row.peak ? code(Match::kFlat) : kMatched;
     state = best.second[x] - best.sum[x] < row.uniqueness ? code(Match::kAmbiguous) : state;
     state = best.cost[x] > row.strength ? code(Match::kWeak) : state;
     state = ((row.agrees[x] == 0) | at_end) ? code(Match::kOneSided) : state;
+    state = no_texture ? code(Match::kFlat) : state;
     row.match[x] = row.covered[x] == 0 ? code(Match::kUncovered) : state;
   }
 #pragma GCC ivdep
   for (int x = row.extent.begin; x < row.extent.end; ++x) {
     const float part = sub_pixel(best.before[x], best.cost[x], best.after[x]);
     const float whole = static_cast<float>(row.first[x] + best.disparity[x]);
-    const float disparity = whole + (best.disparity[x] == 0 ? 0.0F : part);
-    row.disparity_px[x] = row.match[x] == kMatched ? disparity : 0.0F;
+    row.disparity_px[x] = row.match[x] == kMatched ? whole + part : 0.0F;
   }
 }
 

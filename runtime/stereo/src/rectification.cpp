@@ -93,7 +93,9 @@ Eigen::Matrix3d rectified_axes(const RigCamera& left, const RigCamera& right, do
   rig_from_rectified << x, z.normalized().cross(x), z.normalized();
   if (rig_from_rectified.col(0).dot(rig_from_left.rotation * Eigen::Vector3d::UnitX() +
                                     rig_from_right.rotation * Eigen::Vector3d::UnitX()) < -0.2) {
-    throw Error(ErrorKind::kBadInput, "'" + left.name + "' is to the right of '" + right.name + "'; swap the two",
+    throw Error(ErrorKind::kBadInput,
+                "'" + left.name + "' is to the right of '" + right.name + "'; swap the two: --left " + right.name +
+                    " --right " + left.name,
                 where);
   }
   return rig_from_rectified;

@@ -115,7 +115,7 @@ struct BestRow {
 struct JudgeRow {
   Extent extent;
   int last = 0;                                ///< disparity beyond which nothing was searched
-  int least = 0;                               ///< disparity below which there is nothing to search
+  int most = 0;                                ///< the largest cost there is
   int uniqueness = 0, strength = 0, peak = 0;  ///< limits; a peak below -255 takes all
   const std::uint8_t* covered = nullptr;       ///< 0: uncovered
   const std::uint8_t* agrees = nullptr;        ///< 0: the right image disagrees

@@ -145,7 +145,7 @@ void Search::judge_row(int v, const SearchedPair& pair, const std::uint8_t* left
   JudgeRow row;
   row.extent = extent(v);
   row.last = options_.disparities - 1;
-  row.least = options_.least_disparity;
+  row.most = costs_->most();
   row.uniqueness = uniqueness_limit_;
   row.strength = strength_limit_;
   row.peak = peak_limit_;

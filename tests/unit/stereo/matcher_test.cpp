@@ -324,6 +324,29 @@ TEST(Matcher, FindsFromCoarseToFineWhatTheWholeSearchFinds) {
   }
 }
 
+// A covered or saturated camera: costs are the same at every disparity, and what paths carry in from the rim is no
+// match.
+TEST(Matcher, WhereOneImageHasNoTextureNothingIsMatched) {
+  const Pair textured = textured_pair({160, 64}, 10);
+  const std::vector<std::uint8_t> even(textured.left.pixels.size(), 255);
+  const Image blank{textured.left.size, even};
+  for (const auto& [left, right] :
+       {std::pair(&blank, &blank), std::pair(&textured.left, &blank), std::pair(&blank, &textured.right)}) {
+    for (MatchOptions options : many_options({.disparities = 32})) {
+      for (const int least : {0, 3}) {
+        options.least_disparity = least;
+        Matcher matcher({160, 64}, options);
+        EXPECT_EQ(matcher.match(left->view(), right->view()).matched, 0)
+            << match_cost_name(options.cost) << " window " << options.window_px << " paths " << options.paths
+            << " from " << least;
+      }
+    }
+  }
+  Matcher matcher({160, 64}, {.disparities = 32});
+  const DisparityView view = matcher.match(blank.view(), blank.view());
+  EXPECT_EQ(view.match.at(100, 32), static_cast<std::uint8_t>(Match::kFlat));
+}
+
 TEST(Matcher, PixelsWithoutASourceAreNeverMatched) {
   const Pair pair = textured_pair({96, 64}, 9);
   std::vector<std::uint8_t> covered(96 * 64, 1);

@@ -47,6 +47,15 @@ TEST(RealAprilGrid, IsToldFromAnotherBoardByItsFirstTag) {
   EXPECT_GT((first.observations[0].pixel - second.observations[0].pixel).norm(), 300.0) << "they stand side by side";
 }
 
+TEST(RealAprilGrid, OfAMirroredImageNamesTheMirror) {
+  RAYBUNDLE_NEEDS_IMAGES(testing::real_images(kFolder), kFolder);
+  cv::Mat mirrored;
+  cv::flip(testing::grey_image(testing::real_data() / kFolder / "TUM_VI.png"), mirrored, 1);
+  const Detection detection = detect(AprilGrid{6, 6, 0.088, 0.3}, mirrored);
+  EXPECT_TRUE(detection.observations.empty());
+  EXPECT_NE(detection.hint.find("the images are mirrored"), std::string::npos) << detection.hint;
+}
+
 TEST(RealAprilGrid, OfAnotherBorderNamesIt) {
   RAYBUNDLE_NEEDS_IMAGES(testing::real_images(kFolder), kFolder);
   const cv::Mat image = testing::grey_image(testing::real_data() / kFolder / "TUM_VI.png");

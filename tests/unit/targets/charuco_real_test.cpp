@@ -57,6 +57,19 @@ TEST(RealCharuco, OfTheOtherLayoutGivesNothingButTheSettingToChange) {
   }
 }
 
+// Some mirrored codes are others of so large a dictionary: they are not taken for a board of another size.
+TEST(RealCharuco, OfAMirroredImageNamesTheMirror) {
+  const auto files = testing::real_images(kNew);
+  RAYBUNDLE_NEEDS_IMAGES(files, kNew);
+  for (const auto& file : files) {
+    cv::Mat mirrored;
+    cv::flip(testing::grey_image(file), mirrored, 1);
+    const Detection detection = detect(lifecam_board(), mirrored);
+    EXPECT_TRUE(detection.observations.empty()) << file;
+    EXPECT_NE(detection.hint.find("the images are mirrored"), std::string::npos) << file << ": " << detection.hint;
+  }
+}
+
 TEST(RealCharuco, OfTheOtherPolarityDictionaryOrSizeNamesIt) {
   const auto files = testing::real_images(kNew);
   RAYBUNDLE_NEEDS_IMAGES(files, kNew);

@@ -78,6 +78,34 @@ TEST(Verdict, NamesThePartsOfTheImageWithoutCorners) {
   EXPECT_FALSE(image->good);
 }
 
+// A flat board before a lens with barrel distortion: a pinhole leaves rings of residuals and bends the board by
+// millimetres. The lens is named first, and the board is not blamed.
+TEST(Verdict, NamesALensThatDoesNotFitBeforeTheBoard) {
+  SyntheticOptions options;
+  options.cameras[0].model = "brown_conrady";
+  options.cameras[0].focal_px = 1000.0;
+  options.cameras[0].shape = {-0.25, 0.1, 0.0, 0.0, 0.0};
+  options.max_off_axis_rad = 0.4;
+  options.noise_px = 0.1;
+  CalibrationProblem problem = synthetic_world(options).problem;
+  const auto findings_of = [&](const char* model) {
+    problem.cameras[0].model = *model_named(model);
+    return verdict(problem, calibrate(problem), {}).findings;
+  };
+  const auto about = [](const std::vector<Finding>& findings, const char* topic) {
+    return std::ranges::find(findings, topic, &Finding::topic);
+  };
+  const std::vector<Finding> pinhole = findings_of("pinhole"), brown = findings_of("brown_conrady");
+  ASSERT_EQ(about(pinhole, "lens"), pinhole.begin());
+  EXPECT_FALSE(pinhole[0].good);
+  EXPECT_NE(pinhole[0].advice.find("a model with more parameters"), std::string::npos);
+  ASSERT_NE(about(pinhole, "shape"), pinhole.end());
+  EXPECT_EQ(about(pinhole, "shape")->advice.find("glue"), std::string::npos);
+  ASSERT_NE(about(brown, "lens"), brown.end());
+  EXPECT_TRUE(about(brown, "lens")->good);
+  EXPECT_EQ(about(brown, "shape"), brown.end());
+}
+
 TEST(Coverage, NamesRegionsTogether) {
   EXPECT_EQ(regions_in_words({"the left edge"}), "the left edge");
   EXPECT_EQ(regions_in_words({"the top left corner", "the left edge", "the middle"}),

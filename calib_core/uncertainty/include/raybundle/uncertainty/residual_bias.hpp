@@ -20,6 +20,9 @@ struct ResidualGroup {
 
   /// Length of the mean over its sigma; 0 for fewer than kFewestViews.
   double sigmas() const;
+
+  /// The same of its first component alone: of a band, how far chance is from explaining what points outwards.
+  double first_sigmas() const;
 };
 
 /// Views that a group needs before its mean says anything about bias: of fewer, their scatter is not known well enough.
@@ -43,6 +46,9 @@ struct ResidualBias {
 
   /// Whether bias is there beyond doubt: a part's mean is beyond what chance does in as many parts.
   bool significant() const;
+
+  /// Index of the band whose residuals point outwards or inwards most, in sigmas; -1 without any band of enough views.
+  int strongest_band() const;
 };
 
 /// @param camera  index into problem.cameras

@@ -13,8 +13,8 @@ enum class Match : std::uint8_t {
   kMatched = 1,
   kWeak,       ///< the best cost is too high
   kAmbiguous,  ///< another disparity is nearly as good
-  kFlat,       ///< the cost hardly rises beside the best disparity
-  kOneSided,   ///< the right image's pixel belongs to another one, or its best disparity is at the end of the range
+  kFlat,       ///< the cost hardly rises beside the best disparity, or does not change at all: there is no texture
+  kOneSided,   ///< the right image's pixel belongs to another one, or its best disparity is at an end of the range
   kIsolated,   ///< its region is too small
 };
 inline constexpr int kMatchKinds = 7;
