@@ -184,7 +184,7 @@ std::string summary_text(const CalibrationProblem& problem, const CalibrationRes
   for (const std::string& line : misses) {
     missing.push_back(count_of[line] > 1 ? fmt::format("{} ({} frames)", line, count_of[line]) : line);
   }
-  add_limited(text, fmt::format("{} images left out:", unused.size()), missing);
+  add_limited(text, fmt::format("{} image{} left out:", unused.size(), unused.size() == 1 ? "" : "s"), missing);
   for (const std::string& warning : result.warnings) text += "warning: " + warning + "\n";
   return text;
 }
