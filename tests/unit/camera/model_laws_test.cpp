@@ -147,6 +147,7 @@ TYPED_TEST(ModelLaws, StartCameraHasTheFocalLengthThatWasAskedFor) {
   const std::optional<Vector2d> near_axis = pixel_from_ray(camera, ray_at(1e-4, 0));
   ASSERT_TRUE(near_axis.has_value());
   EXPECT_NEAR((near_axis->x() - 319.5) / 1e-4, 300.0, 1e-4);  // the next term of the profile is of the order 1e-8
+  EXPECT_NEAR(focal_on_axis_px(camera), 300.0, 1e-3);         // here of 1e-6
   EXPECT_TRUE(pixel_from_ray(camera, ray_at(0.8, 2)).has_value());
 }
 
