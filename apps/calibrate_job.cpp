@@ -92,10 +92,12 @@ void require_shared_frames(const DetectedImages& images) {
   std::set<int> cameras, linked;
   for (const ImageFile& file : images.files) {
     if (file.video) return;  // frames of videos are counted, so that they always have some in common
+    if (file.frame == std::filesystem::path(file.path).filename().string()) continue;  // it is no image
     cameras.insert(file.camera);
     cameras_of[file.frame].insert(file.camera);
   }
   for (const UnusedImage& image : images.unused) {  // some are no longer among the files, but had their number
+    if (image.frame == std::filesystem::path(image.image).filename().string()) continue;  // it is no image
     const auto& all = images.observations.problem.cameras;
     const auto camera = std::ranges::find(all, image.camera, &ProblemCamera::name);
     cameras_of[image.frame].insert(static_cast<int>(camera - all.begin()));

@@ -135,7 +135,7 @@ std::vector<ImageFile> files_of_camera(int camera, const std::vector<std::string
   std::size_t next = 0;  // of the readable ones
   for (const std::string& path : paths) {
     if (next == readable.size() || path != readable[next]) {
-      files.push_back({camera, path, std::filesystem::path(path).stem().string(), false});
+      files.push_back({camera, path, std::filesystem::path(path).filename().string(), false});
       continue;
     }
     const std::string& name = names[next++];

@@ -95,7 +95,7 @@ void require_boards_of_file(const Dataset& dataset, const CalibrationProblem& pr
     }
     throw Error(
         ErrorKind::kBadInput,
-        fmt::format("the corners are of another board than {}; leave --target out, or detect them again with it",
+        fmt::format("the corners are of another board than {}; leave that board out, or detect them again with it",
                     word_of(board.board)),
         path);
   }

@@ -89,7 +89,8 @@ void declare_stereo_flags(CLI::App& verb, StereoFlags& flags) {
       ->check(CLI::PositiveNumber);
   verb.add_option("--disparities", flags.disparities, "how many to search instead [px]")
       ->check(CLI::Range(1, kMostDisparities));
-  verb.add_option("--least-disparity", flags.least_disparity, "where to begin [px]")->check(CLI::Range(0, 1 << 14));
+  verb.add_option("--least-disparity", flags.least_disparity, "where to begin [px]; matches lie beyond it")
+      ->check(CLI::Range(0, 1 << 14));
   verb.add_option("--cost", flags.cost, "how unlike windows are: census, ssd or zncc")
       ->transform(CLI::IsMember(cost_names()))
       ->capture_default_str();

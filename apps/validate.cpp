@@ -93,7 +93,7 @@ std::string why_failed(const CameraVerdict& verdict) {
   if (s.views_used == 0) return fmt::format("{}: none of its {} views fits", verdict.name, s.views_total);
   if (!verdict.enough_views()) {
     const std::string apart =
-        fmt::format("; in {} of them another camera saw the board in another place", verdict.views_apart);
+        fmt::format("; in {} of the others another camera saw the board in another place", verdict.views_apart);
     return fmt::format("{}: only {} of its {} views fit, and {:.0f} % have to (--min-views){}", verdict.name,
                        verdict.views_fitting(), s.views_total, 100 * verdict.min_share,
                        verdict.views_apart > 0 ? apart : "");

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "cameras_alone.hpp"
@@ -129,11 +131,22 @@ CalibrationResult for_whole_problem(const CalibrationProblem& whole, const std::
   return result;
 }
 
-CalibrationResult calibrate_in_order(CalibrationProblem problem, const CalibrateOptions& options) {
+/// A camera that the others are calibrated without, and why.
+struct LeftOut {
+  int camera = 0;
+  std::string reason;
+};
+
+CalibrationResult calibrate_in_order(CalibrationProblem problem, const CalibrateOptions& options,
+                                     const std::optional<LeftOut>& left_out = {}) {
   CalibrationResult result;
 
   // Each camera alone, then all that could be calibrated as one rig.
-  const CamerasAlone alone = solve_cameras_alone(problem, options, result.stages);
+  CamerasAlone alone = solve_cameras_alone(problem, options, result.stages);
+  if (left_out) {
+    alone.cameras[left_out->camera].reset();
+    alone.why_not[left_out->camera] = left_out->reason;
+  }
   std::vector<int> cameras;
   for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
     if (alone.cameras[c]) cameras.push_back(c);
@@ -201,14 +214,36 @@ CalibrationResult calibrate_in_order(CalibrationProblem problem, const Calibrate
   return for_whole_problem(problem, cameras, sub, alone, std::move(result));
 }
 
+// Of three cameras or more, one whose images are of other moments does not cost the rig: the rest is calibrated
+// without it. Nothing when no camera is such.
+std::optional<CalibrationResult> calibrate_without_one(const CalibrationProblem& ordered,
+                                                       const CalibrateOptions& options, const Error& refusal) {
+  if (ordered.cameras.size() < 3 || refusal.kind() != ErrorKind::kNotEnoughData) return std::nullopt;
+  for (int c = 0; c < static_cast<int>(ordered.cameras.size()); ++c) {
+    const std::string reason = "camera " + ordered.cameras[c].name + " is left out, because with it " + refusal.what();
+    try {
+      return calibrate_in_order(ordered, options, LeftOut{c, reason});
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::kNotEnoughData) throw;
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOptions& options) {
   check(problem);
   parameter_blocks(problem);  // refuses rules that match nothing
   OrderedProblem ordered = in_order_of_content(problem);
-  CalibrationResult result = calibrate_in_order(std::move(ordered.problem), options);
-  return in_given_order(ordered, std::move(result));
+  try {
+    return in_given_order(ordered, calibrate_in_order(std::move(ordered.problem), options));
+  } catch (const Error& refusal) {
+    ordered = in_order_of_content(problem);  // the first attempt has taken its views
+    auto result = calibrate_without_one(ordered.problem, options, refusal);
+    if (!result) throw;
+    return in_given_order(ordered, std::move(*result));
+  }
 }
 
 }  // namespace raybundle

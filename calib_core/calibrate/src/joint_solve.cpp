@@ -9,6 +9,7 @@
 #include <span>
 
 #include "board_sizes.hpp"
+#include "raybundle/bundle/parameters.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "robust_solve.hpp"
 #include "subproblem.hpp"
@@ -39,9 +40,19 @@ BundleSummary solve_and_review_ties(const CalibrationProblem& problem, BundleSta
   return summary;
 }
 
-// Boards that move between exposures are off by pixels. By more than half a hundredth of the image even in the frames
-// that agree best they are not the same moment at all.
+bool places_free(const CalibrationProblem& problem) {
+  return std::ranges::any_of(parameter_blocks(problem), [](const ParameterBlock& block) {
+    return block.kind == ParameterBlock::Kind::kCameraFromRig &&
+           std::ranges::any_of(block.parameters,
+                               [](const Parameter& p) { return p.kind != ParameterRule::Kind::kFixed; });
+  });
+}
+
+// Boards that move between exposures are off by pixels. By more than half a percent of the image's diagonal, even in
+// the frames that agree best, they are not the same moment at all. Of cameras that are held where they are, one may
+// have moved: that is for whoever holds them to say.
 void refuse_unrelated_images(const CalibrationProblem& problem, const TieReview& ties) {
+  if (!places_free(problem)) return;
   double diagonal_px = std::numeric_limits<double>::infinity();
   for (const ProblemCamera& camera : problem.cameras) {
     diagonal_px = std::min(diagonal_px, std::hypot(camera.size.width, camera.size.height));

@@ -23,7 +23,7 @@ bool leaves_lens_open(ImageSize size, double sigma_px);
 
 /// Refuses a lens of a camera by itself that the views leave open.
 ///
-/// @param sigma_px  projection_sigma_px() of the camera
+/// @param sigma_px  how well its projection is known: CameraOptimum::projection_sigma_px
 /// @throws Error(kNotEnoughData)
 void refuse_open_lens(const CalibrationProblem& single, const BundleState& state, double sigma_px);
 

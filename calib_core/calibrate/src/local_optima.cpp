@@ -22,7 +22,7 @@ constexpr int kRounds = 6;              // from a lower optimum to the next
 constexpr double kAlikeSigmas = 3.0;    // two optima of the same corners differ by no more in where they project
 constexpr double kLeastAlikePx = 0.5;
 constexpr double kMostAlikePx = 20.0;
-constexpr double kWonBack = 1000.0;        // squared sigmas that a turned board may cost at first
+constexpr double kWonBack = 1000.0;        // squared sigmas that a turned board may cost at first: it has bent the lens
 constexpr std::size_t kMostTried = 8;      // boards that are turned one by one
 constexpr std::size_t kMostViews = 100;    // of which one could move the camera
 constexpr std::size_t kOfEachSide = 8;     // cameras along the valley
@@ -196,21 +196,22 @@ double sigma_by_others_px(const CalibrationProblem& single, const BundleState& s
   return sigma_px;
 }
 
-// Views that leave a lens loose may have optima anywhere along what they do not tell. Moves to a lower one.
+// Views that leave a lens loose may have optima anywhere along what they do not tell. Moves to a lower one; where there
+// is none, the lens is known no better than the lenses tell that the search came past.
 bool move_to_lower_of_loose(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
                             CameraOptimum& optimum) {
   const ImageSize size = state.cameras[0].size;
   const bool loose = optimum.projection_sigma_px > kLooseShare * std::max(size.width, size.height);
   if (!loose || count_used(state) > kMostLoose) return false;
-  std::vector<CostedState> others = states_along_weakest(single, state, options.threads);
-  const std::vector<CostedState> of_focals = states_of_other_focals(single, state, options.threads);
-  others.insert(others.end(), of_focals.begin(), of_focals.end());
+  std::vector<CostedState> starts = states_along_weakest(single, state, options.threads);
+  std::vector<CostedState> come_past = states_of_other_focals(single, state, options.threads);
+  starts.insert(starts.end(), come_past.begin(), come_past.end());
   const auto move = [&](BundleState& other, BundleSummary& summary) {
-    return move_to_lower(single, other, others, options, summary);
+    return move_to_lower(single, other, starts, options, summary);
   };
   if (move_to_lower_by(move, single, state, options, optimum)) return true;
-  others.insert(others.end(), of_focals.begin(), of_focals.end());
-  const double by_others_px = sigma_by_others_px(single, state, optimum.summary.final_cost, others);
+  come_past.insert(come_past.end(), starts.begin(), starts.end());  // which are where the solves have come to
+  const double by_others_px = sigma_by_others_px(single, state, optimum.summary.final_cost, come_past);
   optimum.projection_sigma_px = std::max(optimum.projection_sigma_px, by_others_px);
   return false;
 }

@@ -13,8 +13,10 @@ namespace raybundle {
 
 /// Where a camera alone has come to.
 struct CameraOptimum {
-  BundleSummary summary;             ///< of the last solve
-  double projection_sigma_px = 0.0;  ///< projection_sigma_px() of the state; NaN when the solve failed
+  BundleSummary summary;  ///< of the last solve
+  /// projection_sigma_px() of the state, or more where lenses that fit as well project otherwise; NaN when the solve
+  /// failed.
+  double projection_sigma_px = 0.0;
 };
 
 /// Leaves the optima of a solved camera that lie beside the right one: boards held by their mirrored pose, and lenses
@@ -28,7 +30,8 @@ CameraOptimum leave_local_optima(const CalibrationProblem& single, BundleState& 
                                  std::vector<std::string>& reasons, const BundleSummary& solved);
 
 /// Moves to the lowest optimum of a lens that puts corners nearly where the state's does, as near as they can tell, if
-/// it is lower than where the state is.
+/// it is lower than where the state is: by more than noise makes it where it leaves open a lens that was not and that
+/// projects nearly alike.
 ///
 /// @param optimum  of the state; of the new one when it moves
 /// @return         whether it moved

@@ -87,14 +87,16 @@ double tie_limit(const std::vector<TieCheck>& checks, double tie_sigma, TieRevie
   std::vector<double> values;
   for (const TieCheck& check : checks) values.push_back(check.excess);
   std::ranges::sort(values);
-  const double third = values[std::min(kFewestFrames, values.size()) - 1];
-  const auto best_of = [&](double share) { return std::max(quantile(values, share), third); };
+  const std::size_t last = values.size() - 1;
+  const auto best_of = [&](double share) {
+    const auto rank = static_cast<std::size_t>(share * static_cast<double>(last));  // as in quantile()
+    return values[std::min(std::max(rank, kFewestFrames - 1), last)];
+  };
   const double best = best_of(review.share_kept);
   const double alike = review.wary ? kAlike * best_of(kShareOfTheSameMoment) : values.back();
   review.doubtful = best > tie_sigma;
   review.strict = !review.unsynchronised && !review.doubtful;
-  return review.unsynchronised ? std::min(3.0 * values[values.size() / 2], alike)
-                               : std::max(tie_sigma, std::min(best, alike));
+  return review.unsynchronised ? std::min(3.0 * values[last / 2], alike) : std::max(tie_sigma, std::min(best, alike));
 }
 
 // For each view the first one that shares its board pose: the same for states that tie the same views.

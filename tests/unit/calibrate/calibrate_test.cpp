@@ -154,6 +154,21 @@ TEST(Calibrate, OneBadCameraDoesNotCostTheRig) {
   EXPECT_THAT(result.warnings, ::testing::Contains(::testing::HasSubstr("camera2")));
 }
 
+// One camera whose images are of other moments is named and left out of the rig.
+TEST(Calibrate, OneCameraOutOfStepDoesNotCostTheRig) {
+  SyntheticOptions options = stereo(23);
+  options.noise_px = 0.2;
+  SyntheticCamera third;
+  third.camera_from_rig = beside(-0.1, -0.1);
+  options.cameras.push_back(third);
+  SyntheticWorld world = synthetic_world(options);
+  shift_frames(world.problem, 2, 0);
+  const CalibrationResult result = calibrate(world.problem);
+  ASSERT_THAT(result.calibration.cameras, ::testing::SizeIs(2));
+  EXPECT_EQ(result.calibration.cameras[1].name, world.problem.cameras[1].name);
+  EXPECT_THAT(result.warnings, ::testing::Contains(::testing::HasSubstr("camera2 is left out")));
+}
+
 TEST(Calibrate, TellsWhichCameraIsNotLinked) {
   SyntheticWorld world = synthetic_world(stereo(11));
   std::erase_if(world.problem.views, [](const TargetView& view) { return view.frame % 2 != view.camera; });

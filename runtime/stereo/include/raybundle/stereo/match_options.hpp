@@ -37,7 +37,7 @@ struct MatchOptions {
   /// Searched, 1 to 256; with coarse levels 256 of the coarsest one's pixels. Up to the next of 32, 64, 96, 128, 192
   /// and 256 they compete along paths, but are never taken.
   int disparities = 64;
-  int least_disparity = 0;  ///< the first of them [px], >= 0: for scenes that are never far
+  int least_disparity = 0;  ///< the first of them [px], >= 0, itself never a match: for scenes that are never far
   MatchCost cost = MatchCost::kCensus;
   CensusMask mask = dense_census(3);
   int window_px = 5;         ///< side of the square over which costs are averaged: odd, 1 to 15
