@@ -138,6 +138,24 @@ TEST(Calibrate, RefusesFramesOfWhichNoneIsOfOneMoment) {
   }
 }
 
+// As validate holds it: a camera that was bumped is a verdict, not a question of which images belong together.
+TEST(Calibrate, AHeldRigIsJudgedAndNotRefused) {
+  SyntheticWorld world = synthetic_world(stereo(24));
+  for (std::size_t c = 0; c < world.cameras.size(); ++c) {
+    world.problem.cameras[c].parameters = world.cameras[c].parameters;
+    world.problem.cameras[c].camera_from_rig = world.camera_from_rig[c];
+  }
+  world.problem.rules = {{"*.intrinsics", ParameterRule::Kind::kFixed, {}, 0.0},
+                         {"*.camera_from_rig", ParameterRule::Kind::kFixed, {}, 0.0}};
+  for (TargetView& view : world.problem.views) {
+    if (view.camera != 1) continue;
+    for (Observation& observation : view.observations) observation.pixel.x() += 40.0;
+  }
+  CalibrateOptions options;
+  options.estimate_shape = false;
+  EXPECT_GT(calibrate(world.problem, options).rms_px, 1.0);
+}
+
 // One camera with too few views is named and left out; the rest of the rig is calibrated.
 TEST(Calibrate, OneBadCameraDoesNotCostTheRig) {
   SyntheticOptions options = stereo(9);
