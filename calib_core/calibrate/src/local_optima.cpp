@@ -255,9 +255,9 @@ CameraOptimum leave_local_optima(const CalibrationProblem& single, BundleState& 
   }
   // The camera that one board had bent may have kept another one from turning.
   for (int round = 0; round < kRounds && !failed(); ++round) {
-    if (round > 0) mirrored = mirrored_of(single, state);
-    if (!try_mirrored_boards(single, state, std::move(mirrored), options, summary)) break;
+    if (!try_mirrored_boards(single, state, mirrored, options, summary)) break;
     summary = solve_without_outliers(single, state, options, false, reasons, summary);
+    if (!failed()) mirrored = mirrored_of(single, state);
   }
   const auto measure = [&] {
     optimum.projection_sigma_px = failed() ? std::nan("") : projection_sigma_px(single, state, options.threads);
