@@ -85,6 +85,11 @@ std::string frame_example(const DetectedImages& images, int camera) {
                      images.observations.problem.cameras[camera].name);
 }
 
+// Whether a file that matched is no image: it keeps its whole name for a frame.
+bool is_no_image(const std::string& frame, const std::string& path) {
+  return frame == std::filesystem::path(path).filename().string();
+}
+
 // Cameras are linked by frames, which are told by the names of images: where these have nothing in common, more images
 // would not help.
 void require_shared_frames(const DetectedImages& images) {
@@ -92,12 +97,12 @@ void require_shared_frames(const DetectedImages& images) {
   std::set<int> cameras, linked;
   for (const ImageFile& file : images.files) {
     if (file.video) return;  // frames of videos are counted, so that they always have some in common
-    if (file.frame == std::filesystem::path(file.path).filename().string()) continue;  // it is no image
+    if (is_no_image(file.frame, file.path)) continue;
     cameras.insert(file.camera);
     cameras_of[file.frame].insert(file.camera);
   }
   for (const UnusedImage& image : images.unused) {  // some are no longer among the files, but had their number
-    if (image.frame == std::filesystem::path(image.image).filename().string()) continue;  // it is no image
+    if (is_no_image(image.frame, image.image)) continue;
     const auto& all = images.observations.problem.cameras;
     const auto camera = std::ranges::find(all, image.camera, &ProblemCamera::name);
     cameras_of[image.frame].insert(static_cast<int>(camera - all.begin()));

@@ -216,13 +216,14 @@ CalibrationResult calibrate_in_order(CalibrationProblem problem, const Calibrate
 
 // Of three cameras or more, one whose images are of other moments does not cost the rig: the rest is calibrated
 // without it. Nothing when no camera is such.
-std::optional<CalibrationResult> calibrate_without_one(const CalibrationProblem& ordered,
+std::optional<CalibrationResult> calibrate_without_one(const CalibrationProblem& problem,
                                                        const CalibrateOptions& options, const Error& refusal) {
-  if (ordered.cameras.size() < 3 || refusal.kind() != ErrorKind::kNotEnoughData) return std::nullopt;
-  for (int c = 0; c < static_cast<int>(ordered.cameras.size()); ++c) {
-    const std::string reason = "camera " + ordered.cameras[c].name + " is left out, because with it " + refusal.what();
+  if (problem.cameras.size() < 3 || refusal.kind() != ErrorKind::kNotEnoughData) return std::nullopt;
+  const OrderedProblem ordered = in_order_of_content(problem);
+  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
+    const std::string reason = "camera " + problem.cameras[c].name + " is left out, because with it " + refusal.what();
     try {
-      return calibrate_in_order(ordered, options, LeftOut{c, reason});
+      return in_given_order(ordered, calibrate_in_order(ordered.problem, options, LeftOut{c, reason}));
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::kNotEnoughData) throw;
     }
@@ -239,10 +240,8 @@ CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOp
   try {
     return in_given_order(ordered, calibrate_in_order(std::move(ordered.problem), options));
   } catch (const Error& refusal) {
-    ordered = in_order_of_content(problem);  // the first attempt has taken its views
-    auto result = calibrate_without_one(ordered.problem, options, refusal);
-    if (!result) throw;
-    return in_given_order(ordered, std::move(*result));
+    if (auto result = calibrate_without_one(problem, options, refusal)) return std::move(*result);
+    throw;
   }
 }
 

@@ -22,7 +22,6 @@ constexpr std::size_t kMaxTieReviews = 10;
 constexpr std::array kSharesKept{0.75, 0.5, 0.25};
 constexpr std::array kFewKept{0.75, 0.5, 0.25, 0.1};
 constexpr double kBentByTies = 2.0;  // times the noise of a camera alone: what its own corners would not bear
-constexpr double kExact = 1e-3;      // of a corner's sigma: less noise than that is rounding
 
 // Solves with the ties as they are reviewed, each time with a smaller share that is kept in any case: the worst frames
 // go first.
@@ -69,7 +68,7 @@ void refuse_unrelated_images(const CalibrationProblem& problem, const TieReview&
 bool lenses_bent(const CalibrationProblem& problem, const BundleState& state, const std::vector<double>& sigmas_alone) {
   const std::vector<double> sigmas = robust_sigmas(problem, state);
   for (std::size_t c = 0; c < sigmas.size(); ++c) {
-    if (sigmas[c] > kBentByTies * std::max(sigmas_alone[c], kExact)) return true;
+    if (sigmas[c] > kBentByTies * std::max(sigmas_alone[c], kExactNoise)) return true;
   }
   return false;
 }

@@ -22,7 +22,6 @@ constexpr double kBeyond = 1.02;
 // Times its radius in the plane: real profiles have no pole, and so near it bends them among the corners.
 constexpr double kPoleBeyond = 1.22;
 constexpr double kPlainlyWorse = 1.2;    // times the noise under the lens that ends among its corners
-constexpr double kExact = 1e-3;          // of a corner's sigma: less noise than that is rounding
 constexpr int kFirstShapeParameter = 4;  // after fx, fy, cx and cy
 
 // Whether a model is a pinhole before a plane that is distorted by a profile with a denominator.
@@ -122,7 +121,7 @@ bool give_up_coefficients(CalibrationProblem& problem, BundleState& state, int c
   if (coefficients.empty() || !ends_among_corners(problem, state, camera)) return false;
   Simpler simpler{problem, {}, {}};
   if (!give_up_until_beyond(state, camera, coefficients, solve, simpler)) return false;
-  const double noise = std::max(robust_sigmas(problem, state)[camera], kExact);
+  const double noise = std::max(robust_sigmas(problem, state)[camera], kExactNoise);
   if (!(robust_sigmas(simpler.problem, simpler.state)[camera] <= kPlainlyWorse * noise)) return false;
   for (Simpler fuller = simpler; fuller.problem.rules.size() > problem.rules.size(); simpler = fuller) {
     fuller.problem.rules.pop_back();

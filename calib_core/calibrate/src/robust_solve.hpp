@@ -10,6 +10,9 @@
 
 namespace raybundle {
 
+/// Of a corner's sigma: less noise than that is rounding.
+inline constexpr double kExactNoise = 1e-3;
+
 /// A plain solve's options, as calibrate() was asked.
 BundleOptions bundle_options(const CalibrateOptions& options);
 
