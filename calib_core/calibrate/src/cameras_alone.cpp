@@ -43,9 +43,16 @@ std::vector<ParameterRule> keep_lens_beyond_corners(CalibrationProblem& single, 
   // The lens that was replaced may have cost views.
   if (give_second_chance(simpler, state, options, reasons)) optimum.summary = solve(simpler, state);
   // With all coefficients there may be such a lens farther away, and a better one.
-  optimum.projection_sigma_px = projection_sigma_px(single, state, options.threads);
-  if (!given_up.empty() && move_to_lower_alike(single, state, options, optimum)) given_up.clear();
-  if (!given_up.empty()) single = std::move(simpler);
+  SolvedState fuller{state, reasons, optimum.summary};
+  const CameraOptimum of_fuller = leave_local_optima(single, fuller.state, options, fuller.reasons, fuller.summary);
+  fuller.summary = of_fuller.summary;
+  if (given_up.empty() || is_better(single, fuller, {state, reasons, optimum.summary}, options)) {
+    state = std::move(fuller.state);
+    reasons = std::move(fuller.reasons);
+    optimum = of_fuller;
+    return {};
+  }
+  single = std::move(simpler);
   optimum = leave_local_optima(single, state, options, reasons, optimum.summary);
   return given_up;
 }

@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "camera_corners.hpp"
+#include "corner_choice.hpp"
 #include "lens_certainty.hpp"
 #include "lower_optima.hpp"
 #include "raybundle/calibrate/lens_domain.hpp"
@@ -28,16 +29,7 @@ constexpr std::size_t kMostViews = 100;    // of which one could move the camera
 constexpr std::size_t kOfEachSide = 8;     // cameras along the valley
 constexpr double kLooseShare = 3e-4;       // of the image's longer side: a projection known no better is loose
 constexpr std::size_t kMostLoose = 10000;  // corners: so many leave a lens loose by how the boards are held
-constexpr double kReadmitted = 4.0;        // times the limit of outliers
 constexpr double kMirroredGain = 1e-6;     // relative: by which a mirrored board's squares must be smaller
-
-std::size_t count_used(const BundleState& state) {
-  std::size_t used = 0;
-  for (const std::vector<ObservationFate>& fates : state.fates) {
-    used += static_cast<std::size_t>(std::ranges::count(fates, ObservationFate::kUsed));
-  }
-  return used;
-}
 
 /// A board's other pose, and by how much the cost grows there while the camera stays.
 struct Mirrored {
@@ -113,42 +105,14 @@ bool try_mirrored_boards(const CalibrationProblem& single, BundleState& state, s
 // the valleys that begin here and there.
 std::vector<Camera> cameras_alike(const CalibrationProblem& single, const BundleState& state, double sigma_px) {
   const std::vector<Eigen::Vector3d> rays = rays_seen(single, state);
-  const double alike_px = std::min(kAlikeSigmas * sigma_px, kMostAlikePx);
-  std::vector<Camera> alike = twin_cameras(state.cameras[0], rays, std::max(alike_px, kLeastAlikePx));
+  const double alike_px = std::clamp(kAlikeSigmas * sigma_px, kLeastAlikePx, kMostAlikePx);
+  std::vector<Camera> alike = twin_cameras(state.cameras[0], rays, alike_px);
   std::vector<Camera> starts{state.cameras[0]};
   if (!alike.empty()) starts.push_back(alike.front());
   for (const Camera& start : starts) {
     std::ranges::copy(cameras_along_valley(start, rays, alike_px, kOfEachSide), std::back_inserter(alike));
   }
   return alike;
-}
-
-// Where the fit swallows much of the noise, a corner that was left out may lie far from a prediction that it would have
-// held in place. Takes such corners in and lets the outlier rule decide once more; more corners in use are better.
-bool readmit_corners(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
-                     std::vector<std::string>& reasons, BundleSummary& summary) {
-  const std::size_t unknowns = 6 * single.views.size() + static_cast<std::size_t>(state.cameras[0].parameters.size());
-  if (count_used(state) > 3 * unknowns) return false;
-  const double limit = kReadmitted * options.outlier_sigma * robust_sigmas(single, state)[0];
-  BundleState other = state;
-  for (std::size_t v = 0; v < single.views.size(); ++v) {
-    if (state.pose_of_view[v] < 0) continue;
-    const std::vector<Eigen::Vector2d> residuals = view_residuals(single, state, static_cast<int>(v));
-    for (std::size_t i = 0; i < residuals.size(); ++i) {
-      const bool near = residuals[i].norm() <= limit * single.views[v].observations[i].sigma_px;
-      if (near && state.fates[v][i] == ObservationFate::kOutlier) other.fates[v][i] = ObservationFate::kUsed;
-    }
-  }
-  if (count_used(other) == count_used(state)) return false;
-  if (solve_bundle(single, other, bundle_options(options)).termination == Termination::kFailed) return false;
-  std::vector<std::string> other_reasons = reasons;
-  const BundleSummary of_other = solve_without_outliers(single, other, options, false, other_reasons);
-  if (of_other.termination == Termination::kFailed || count_used(other) <= count_used(state)) return false;
-  if (spoils_lens(single, state, other)) return false;
-  state = std::move(other);
-  reasons = std::move(other_reasons);
-  summary = of_other;
-  return true;
 }
 
 // Whether a lower optimum gains no more than noise may and leaves the lens open that was not, although it projects
@@ -274,7 +238,10 @@ CameraOptimum leave_local_optima(const CalibrationProblem& single, BundleState& 
     descend_by(move_to_lower_of_loose);
   };
   descend();
-  if (!failed() && readmit_corners(single, state, options, reasons, summary)) descend();
+  for (int round = 0; round < kRounds && !failed(); ++round) {
+    if (!choose_corners_again(single, state, options, reasons, summary)) break;
+    descend();
+  }
   return optimum;
 }
 

@@ -27,9 +27,8 @@ std::vector<int> higher_coefficients(ModelId model) {
   });
 }
 
-// Gives views without a pose one under a lens; whether there are such views.
-bool pose_lost_views(const CalibrationProblem& single, const Camera& lens, BundleState& state) {
-  const double fit_px = kFitOfWidth * std::max(lens.size.width, lens.size.height);
+// Gives views without a pose one under a lens that corners fit that well; whether there are such views.
+bool pose_lost_views(const CalibrationProblem& single, const Camera& lens, double fit_px, BundleState& state) {
   bool posed = false;
   for (std::size_t v = 0; v < single.views.size(); ++v) {
     if (state.pose_of_view[v] >= 0) continue;
@@ -55,11 +54,11 @@ std::vector<std::size_t> doubtful_views(const BundleState& state) {
   return doubtful;
 }
 
-// Solves on from another place, and goes there if that is better.
-void move_if_better(const CalibrationProblem& single, SolvedState other, const CalibrateOptions& options,
+// Solves on from another place, where right corners may be so far off, and goes there if that is better.
+void move_if_better(const CalibrationProblem& single, SolvedState other, double off_px, const CalibrateOptions& options,
                     SolvedState& solved) {
   mark_projectable(single, other.state);
-  solve_robustly(single, other.state, options);
+  solve_robustly(single, other.state, options, off_px);
   other.summary = solve_without_outliers(single, other.state, options, false, other.reasons);
   if (is_better(single, other, solved, options)) solved = std::move(other);
 }
@@ -75,7 +74,7 @@ void win_back_views(const CalibrationProblem& single, const CalibrateOptions& op
       std::ranges::fill(other.state.fates[v], ObservationFate::kViewSetAside);
     }
     const bool posed = give_second_chance(single, other.state, options, other.reasons);
-    if (posed) move_if_better(single, std::move(other), options, solved);
+    if (posed) move_if_better(single, std::move(other), 0.0, options, solved);
   }
   const bool lost = std::ranges::any_of(solved.state.pose_of_view, [](int pose) { return pose < 0; });
   const std::vector<int> higher = higher_coefficients(solved.state.cameras[0].model);
@@ -84,7 +83,9 @@ void win_back_views(const CalibrationProblem& single, const CalibrateOptions& op
   const CameraCorners corners = used_corners(single, solved.state, 0);
   Camera& lens = other.state.cameras[0];
   lens = fitted_anew(lens, corners.rays, corners.pixels, higher);
-  if (pose_lost_views(single, lens, other.state)) move_if_better(single, std::move(other), options, solved);
+  const double fit_px = kFitOfWidth * std::max(lens.size.width, lens.size.height);
+  if (!pose_lost_views(single, lens, fit_px, other.state)) return;
+  move_if_better(single, std::move(other), fit_px, options, solved);
 }
 
 }  // namespace raybundle

@@ -19,6 +19,9 @@ constexpr double kSmallestDistancePx = 1e-3;  // exact data: rounding is not to 
 constexpr int kMaxRounds = 8;
 constexpr int kRobustIterations = 8;       // of a round: enough to tell outliers; least squares does the rest
 constexpr double kRobustSettled = 1e-4;    // the same
+constexpr double kKeepsWeight = 2.0;       // scale over the distance of a corner that is to keep most of its weight
+constexpr double kNarrowed = 0.25;         // the scale of right corners that are far off, from round to round
+constexpr int kFarOffIterations = 20;      // of such a round: the way is longer
 constexpr std::size_t kFewestCorners = 4;  // of a view: fewer do not determine a pose
 
 // Distances of measured corners from their projections, in sigmas; infinite where nothing projects.
@@ -188,9 +191,9 @@ bool mark_outliers(const CalibrationProblem& problem, BundleState& state, const 
   return state.fates != before;
 }
 
-BundleSummary solve_robustly(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options) {
+BundleSummary solve_robustly(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
+                             double off_px) {
   BundleOptions bundle = bundle_options(options);
-  bundle.max_iterations = std::min(bundle.max_iterations, kRobustIterations);
   bundle.settled = kRobustSettled;
   BundleSummary summary;
   double previous = std::numeric_limits<double>::infinity();
@@ -199,6 +202,9 @@ BundleSummary solve_robustly(const CalibrationProblem& problem, BundleState& sta
     for (double of_camera : robust_sigmas(problem, state)) {
       if (std::isfinite(of_camera)) sigma = std::max(sigma, of_camera);
     }
+    const double far_off = kKeepsWeight * off_px * std::pow(kNarrowed, round) / options.robust_scale_sigma;
+    bundle.max_iterations = std::min(options.max_iterations, far_off > sigma ? kFarOffIterations : kRobustIterations);
+    sigma = std::max(sigma, far_off);
     const bool under_way = summary.termination == Termination::kIterationLimit;
     if (!(sigma < (under_way ? 0.98 : 0.9) * previous)) break;  // the scale has settled
     previous = sigma;

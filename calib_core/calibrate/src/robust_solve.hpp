@@ -47,7 +47,10 @@ bool mark_outliers(const CalibrationProblem& problem, BundleState& state, const 
 
 /// Minimises the Cauchy loss, its scale tightened with the residuals, so that wrong corners and views have no say: far
 /// enough for the outlier rule, not to the last digit.
-BundleSummary solve_robustly(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options);
+///
+/// @param off_px  from where the state is, right corners may be so far off, even if they are few
+BundleSummary solve_robustly(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
+                             double off_px = 0.0);
 
 /// Gives views that were set aside a pose again if they fit the cameras as they are now: the pose of the board that
 /// other cameras saw in the frame, or one of their own.

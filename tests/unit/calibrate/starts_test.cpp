@@ -50,6 +50,12 @@ INSTANTIATE_TEST_SUITE_P(Rigs, HardStart,
                                            HardRig{"ALooseLensHasOptimaAlongWhatViewsDoNotTell", "thin_prism", 5175},
                                            HardRig{"CornersTakenInAgainMayLeadElsewhere", "double_sphere", 15155},
                                            HardRig{"AMirroredBoardMayBendTheLensForOthers", "brown_conrady", 16128},
+                                           HardRig{"AWrongCornerMayHoldTheLens", "field_of_view", 20637},
+                                           HardRig{"AWrongCornerOfFewTurnsItsBoard", "unified", 20363},
+                                           HardRig{"ALostViewFarFromTheOthersComesBack", "kannala_brandt", 11119},
+                                           HardRig{"ThreeLensesMayLieAlongOneValley", "double_sphere", 20220},
+                                           HardRig{"AViewThatComesBackMayLeadElsewhere", "double_sphere", 13098},
+                                           HardRig{"AllCoefficientsAreTriedOnceMore", "thin_prism", 16056},
                                            HardRig{"ParallelBoardsFitOtherFocalLengths", "kannala_brandt", 16005}),
                          [](const auto& rig) { return std::string(rig.param.name); });
 

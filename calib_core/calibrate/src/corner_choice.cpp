@@ -1,0 +1,150 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "corner_choice.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "raybundle/calibrate/lens_domain.hpp"
+#include "robust_solve.hpp"
+
+namespace raybundle {
+namespace {
+
+constexpr double kReadmitted = 4.0;    // times the limit of outliers
+constexpr std::size_t kSwallowed = 4;  // corners for each unknown: of so few the fit swallows much of the noise
+constexpr std::size_t kFewOfView = 8;  // corners: of so few a single one turns the board
+constexpr int kFirstLook = 30;         // iterations
+
+std::size_t count_used(const std::vector<ObservationFate>& fates) {
+  return static_cast<std::size_t>(std::ranges::count(fates, ObservationFate::kUsed));
+}
+
+bool swallows_noise(const CalibrationProblem& single, const BundleState& state) {
+  const std::size_t unknowns = 6 * single.views.size() + static_cast<std::size_t>(state.cameras[0].parameters.size());
+  return count_used(state) <= kSwallowed * unknowns;
+}
+
+// Corners of a view that were left out but may be right.
+std::vector<std::size_t> doubtful_corners(const CalibrationProblem& single, const BundleState& state, std::size_t v,
+                                          double limit_sigmas) {
+  std::vector<std::size_t> doubtful;
+  if (state.pose_of_view[v] < 0) return doubtful;
+  const std::vector<Eigen::Vector2d> residuals = view_residuals(single, state, static_cast<int>(v));
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    const bool near = residuals[i].norm() <= limit_sigmas * single.views[v].observations[i].sigma_px;
+    if (near && state.fates[v][i] == ObservationFate::kOutlier) doubtful.push_back(i);
+  }
+  return doubtful;
+}
+
+// Solves with other corners in use; nothing where that fails.
+std::optional<SolvedState> first_look(const CalibrationProblem& single, BundleState other,
+                                      const CalibrateOptions& options, const SolvedState& here) {
+  BundleOptions some_steps = bundle_options(options);
+  some_steps.max_iterations = std::min(some_steps.max_iterations, kFirstLook);
+  SolvedState solved{std::move(other), here.reasons, {}};
+  solved.summary = solve_bundle(single, solved.state, some_steps);
+  if (solved.summary.termination == Termination::kFailed) return {};
+  return solved;
+}
+
+// Lets the outlier rule decide, and goes on from there if more corners are in use and the lens is not spoilt.
+bool take_if_more(const CalibrationProblem& single, SolvedState other, const CalibrateOptions& options,
+                  SolvedState& solved) {
+  other.summary = solve_without_outliers(single, other.state, options, false, other.reasons);
+  if (other.summary.termination == Termination::kFailed) return false;
+  if (count_used(other.state) <= count_used(solved.state)) return false;
+  if (spoils_lens(single, solved.state, other.state)) return false;
+  solved = std::move(other);
+  return true;
+}
+
+// Poses views that were lost under a lens that has moved since.
+bool readmit_views(const CalibrationProblem& single, const CalibrateOptions& options, SolvedState& solved) {
+  SolvedState other = solved;
+  if (!give_second_chance(single, other.state, options, other.reasons)) return false;
+  return take_if_more(single, std::move(other), options, solved);
+}
+
+// Takes in all doubtful corners.
+bool readmit_corners(const CalibrationProblem& single, const CalibrateOptions& options, double limit_sigmas,
+                     SolvedState& solved) {
+  BundleState other = solved.state;
+  bool any = false;
+  for (std::size_t v = 0; v < single.views.size(); ++v) {
+    for (const std::size_t i : doubtful_corners(single, solved.state, v, limit_sigmas)) {
+      other.fates[v][i] = ObservationFate::kUsed;
+      any = true;
+    }
+  }
+  if (!any) return false;
+  std::optional<SolvedState> seen = first_look(single, std::move(other), options, solved);
+  return seen && take_if_more(single, *std::move(seen), options, solved);
+}
+
+// Whether a solve with other corners leads elsewhere, to where not plainly fewer corners are in use: one more may come
+// back at the end.
+bool leads_elsewhere(const CalibrationProblem& single, const CalibrateOptions& options, const BundleState& here,
+                     SolvedState& other) {
+  mark_outliers(single, other.state, options, other.reasons);
+  return other.state.fates != here.fates && count_used(other.state) + 1 >= count_used(here);
+}
+
+// Takes in one doubtful corner instead of one of its view that is in use: the pair that fits best.
+bool exchange_corners(const CalibrationProblem& single, const CalibrateOptions& options, double limit_sigmas,
+                      SolvedState& solved) {
+  const SolvedState here = solved;
+  bool found = false;
+  const auto try_pair = [&](std::size_t v, std::size_t in, std::size_t out) {
+    BundleState exchanged = here.state;
+    exchanged.fates[v][in] = ObservationFate::kUsed;
+    exchanged.fates[v][out] = ObservationFate::kOutlier;
+    std::optional<SolvedState> other = first_look(single, std::move(exchanged), options, here);
+    if (!other || !leads_elsewhere(single, options, here.state, *other)) return;
+    other->summary = solve_without_outliers(single, other->state, options, false, other->reasons);
+    if (!is_better(single, *other, solved, options)) return;
+    solved = *std::move(other);
+    found = true;
+  };
+  for (std::size_t v = 0; v < single.views.size(); ++v) {
+    const std::vector<ObservationFate>& fates = here.state.fates[v];
+    const bool few = count_used(fates) <= kFewOfView;
+    const double limit = few ? std::numeric_limits<double>::infinity() : limit_sigmas;
+    for (const std::size_t in : doubtful_corners(single, here.state, v, limit)) {
+      for (std::size_t out = 0; out < fates.size(); ++out) {
+        if (fates[out] == ObservationFate::kUsed) try_pair(v, in, out);
+      }
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
+std::size_t count_used(const BundleState& state) {
+  std::size_t used = 0;
+  for (const std::vector<ObservationFate>& fates : state.fates) used += count_used(fates);
+  return used;
+}
+
+bool choose_corners_again(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
+                          std::vector<std::string>& reasons, BundleSummary& summary) {
+  SolvedState solved{state, reasons, summary};
+  const auto chosen_again = [&] {
+    if (readmit_views(single, options, solved)) return true;
+    if (!swallows_noise(single, state)) return false;
+    const double limit_sigmas = kReadmitted * options.outlier_sigma * robust_sigmas(single, state)[0];
+    return readmit_corners(single, options, limit_sigmas, solved) ||
+           exchange_corners(single, options, limit_sigmas, solved);
+  };
+  if (!chosen_again()) return false;
+  state = std::move(solved.state);
+  reasons = std::move(solved.reasons);
+  summary = solved.summary;
+  return true;
+}
+
+}  // namespace raybundle

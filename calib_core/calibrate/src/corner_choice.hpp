@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "raybundle/bundle/bundle.hpp"
+#include "raybundle/calibrate/calibrate.hpp"
+
+namespace raybundle {
+
+std::size_t count_used(const BundleState& state);  ///< corners
+
+/// Decides once more which corners are wrong, now that the lens is another: poses views that were lost. Where the fit
+/// swallows much of the noise, a right corner that was left out may also lie far from a prediction that it would have
+/// held in place, and a wrong one may hold the camera or its board where right ones seem wrong: takes in corners that
+/// were left out, else exchanges one for one that was not where all corners fit better so.
+///
+/// @param single   a problem with one camera
+/// @param reasons  aligned with problem.views
+/// @param summary  of the solve that the state came from; of the new one when it changes
+/// @return         whether the state changed
+bool choose_corners_again(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
+                          std::vector<std::string>& reasons, BundleSummary& summary);
+
+}  // namespace raybundle
