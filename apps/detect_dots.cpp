@@ -50,6 +50,28 @@ void find_in(const cv::Mat& on, const std::string& on_path, CalibrationProblem& 
   view.dots = find_dots(on, partner ? &off : nullptr, options).dots;
 }
 
+// Images with the laser on in which no dot was found on the board: a few miss it, many are no such images.
+void hint_at_dark_images(const Dataset& dataset, const std::vector<ImageFile>& files,
+                         const std::vector<std::vector<std::size_t>>& views_of_file, DetectedImages& images) {
+  constexpr double kMany = 0.25;
+  const std::vector<TargetView>& views = images.observations.problem.views;
+  for (int c = 0; c < static_cast<int>(dataset.cameras.size()); ++c) {
+    int all = 0, dark = 0;
+    std::string first;
+    for (std::size_t f = 0; f < files.size(); ++f) {
+      if (files[f].camera != c) continue;
+      ++all;
+      if (!std::ranges::all_of(views_of_file[f], [&](std::size_t v) { return views[v].dots.empty(); })) continue;
+      if (++dark == 1) first = files[f].path;
+    }
+    if (all == 0 || dark < kMany * all || dark < 2) continue;
+    images.hints.push_back(fmt::format(
+        "camera {}: in {} of its {} images with the laser on no dot was found on the board, as in {}; are the "
+        "images with the laser on and off swapped, or the same?",
+        dataset.cameras[c].name, dark, all, first));
+  }
+}
+
 // Image names pad the numbers of their frames: 003 is frame 3.
 std::string_view without_zeros(std::string_view frame) {
   frame.remove_prefix(std::min(frame.find_first_not_of('0'), frame.size()));
@@ -93,6 +115,7 @@ void add_dots(const Dataset& dataset, const DetectOptions& options, DetectedImag
       images.unused.push_back({dataset.cameras[files[f].camera].name, files[f].frame, files[f].path, reasons[f]});
     }
   }
+  hint_at_dark_images(dataset, files, views_of_file, images);
   images.laser_files = files;
   problem.laser = ProblemLaser{dataset.laser->grid, {}, dataset.laser->brightest, dataset.laser->missing};
   if (dataset.laser->anchor) set_anchor(*dataset.laser->anchor, problem);

@@ -8,6 +8,7 @@
 
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/quantile.hpp"
+#include "terminal.hpp"
 
 namespace raybundle::apps {
 namespace {
@@ -30,8 +31,20 @@ std::vector<std::optional<Rigid3>> placed_boards(const Calibration& calibration,
   return rig_from_target;
 }
 
-bool drifted(const LaserVerdict& verdict) {
-  return verdict.wavelength && std::abs(verdict.wavelength->change()) > kDriftSigmas * verdict.wavelength->sigma;
+// The wavelength that the dots show, if the beams there explain them at least as well: a projector that has moved looks
+// like another wavelength to the few dots that still lie near a beam.
+void judge_wavelength(const Calibration& calibration, const CalibrationProblem& observed,
+                      const std::vector<std::optional<Rigid3>>& rig_from_target, double tolerance_px,
+                      LaserVerdict& verdict) {
+  const auto wavelength = estimate_wavelength(calibration, observed, rig_from_target);
+  if (!wavelength) return;
+  Calibration retuned = calibration;
+  retuned.laser = at_wavelength(*calibration.laser, wavelength->scale);
+  const auto explained = static_cast<int>(explain_dots(retuned, observed, rig_from_target, tolerance_px).size());
+  if (explained < static_cast<int>(verdict.explained.size()) || explained < verdict.min_share * verdict.expected)
+    return;
+  verdict.wavelength = wavelength;
+  verdict.explained_retuned = explained;
 }
 
 }  // namespace
@@ -47,15 +60,30 @@ double LaserVerdict::plane_mm(double nearest_m, double farthest_m) const {
   return count > 0 ? 1e3 * std::sqrt(sum / count) : std::nan("");
 }
 
+bool LaserVerdict::drifted() const {
+  return wavelength && std::abs(wavelength->change()) > kDriftSigmas * wavelength->sigma;
+}
+
+bool LaserVerdict::enough_dots() const {
+  const int belong = std::max(static_cast<int>(explained.size()), retuned ? explained_retuned : 0);
+  return dots > 0 && belong >= min_share * expected;
+}
+
 LaserVerdict judge_laser(const Calibration& calibration, const CalibrationProblem& observed,
-                         const CalibrationResult& placed) {
+                         const CalibrationResult& placed, const LaserGate& gate) {
   LaserVerdict verdict;
+  verdict.limit_mm = gate.max_plane_mm;
+  verdict.min_share = gate.min_share;
   const std::vector<std::optional<Rigid3>> rig_from_target = placed_boards(calibration, observed, placed);
   for (std::size_t v = 0; v < observed.views.size(); ++v) {
     if (rig_from_target[v]) verdict.dots += static_cast<int>(observed.views[v].dots.size());
   }
-  const double tolerance_px = calibration.laser->advice ? calibration.laser->advice->ambiguity.tolerance_px : 1.0;
-  verdict.explained = explain_dots(calibration, observed, rig_from_target, kTolerances * tolerance_px);
+  for (const DotsOnBoard& of_view : dots_on_boards(calibration, observed, rig_from_target)) {
+    verdict.expected += of_view.to_explain();
+  }
+  const double label_px = calibration.laser->advice ? calibration.laser->advice->ambiguity.tolerance_px : 1.0;
+  const double tolerance_px = kTolerances * label_px;
+  verdict.explained = explain_dots(calibration, observed, rig_from_target, tolerance_px);
   double squares = 0.0;
   std::vector<double> distances;
   for (const HeldOutDot& dot : verdict.explained) {
@@ -64,7 +92,7 @@ LaserVerdict judge_laser(const Calibration& calibration, const CalibrationProble
   }
   if (!distances.empty()) verdict.median_px = median(distances);
   verdict.rms_px = std::sqrt(squares / std::max<double>(1.0, static_cast<double>(verdict.explained.size())));
-  if (calibration.laser->grating) verdict.wavelength = estimate_wavelength(calibration, observed, rig_from_target);
+  if (calibration.laser->grating) judge_wavelength(calibration, observed, rig_from_target, tolerance_px, verdict);
   return verdict;
 }
 
@@ -80,12 +108,28 @@ void print_laser(const LaserVerdict& verdict) {
                                                : fmt::format("beyond {:.2f} m", nearest);
     fmt::print("  {}: points lie {:.2f} mm rms off the board\n", band, mm);
   }
-  if (drifted(verdict)) {
+  if (verdict.drifted()) {
     fmt::print(
         "  the laser's wavelength is {:.5f} ± {:.5f} times that of the calibration: it is warmer or cooler than then; "
         "--retune FILE writes the calibration that fits\n",
         1.0 + verdict.wavelength->change(), verdict.wavelength->sigma);
   }
+}
+
+std::string why_failed(const LaserVerdict& verdict) {
+  if (verdict.dots == 0) {
+    return "laser: no dot was found on a board; are the images with the laser on and off the same, or swapped?";
+  }
+  if (verdict.enough_dots()) {
+    return fmt::format("laser: its points lie {:.2f} mm rms off the boards, above the limit of {:.2f} mm (--max-plane)",
+                       verdict.plane_mm(), verdict.limit_mm);
+  }
+  return fmt::format("laser: only {} of its {} dots belong to a beam, and {:.0f} % have to (--min-dots); {}",
+                     verdict.explained.size(), verdict.dots, 100 * verdict.min_share,
+                     verdict.drifted()
+                         ? "at the wavelength that they show they do: --retune FILE writes the calibration that fits"
+                         : "has the projector moved against the cameras since, or is it another one? Calibrate again, "
+                           "with these images among the others");
 }
 
 nlohmann::ordered_json json_of(const LaserVerdict& verdict) {
@@ -94,28 +138,35 @@ nlohmann::ordered_json json_of(const LaserVerdict& verdict) {
     bands.push_back(
         {{"nearest_m", nearest}, {"farthest_m", farthest}, {"plane_rms_mm", verdict.plane_mm(nearest, farthest)}});
   }
-  nlohmann::ordered_json json{
-      {"dots", verdict.dots},           {"explained", verdict.explained.size()}, {"rms_px", verdict.rms_px},
-      {"median_px", verdict.median_px}, {"plane_rms_mm", verdict.plane_mm()},    {"bands", bands},
-      {"passed", verdict.passed()}};
+  nlohmann::ordered_json json{{"dots", verdict.dots},
+                              {"expected", verdict.expected},
+                              {"explained", verdict.explained.size()},
+                              {"rms_px", verdict.rms_px},
+                              {"median_px", verdict.median_px},
+                              {"plane_rms_mm", verdict.plane_mm()},
+                              {"min_dots_share", verdict.min_share},
+                              {"bands", bands},
+                              {"passed", verdict.passed()}};
   if (verdict.wavelength) {
     json["wavelength"] = {{"scale", verdict.wavelength->scale},
                           {"sigma", verdict.wavelength->sigma},
                           {"dots", verdict.wavelength->dots},
-                          {"drifted", drifted(verdict)}};
+                          {"drifted", verdict.drifted()}};
   }
   return json;
 }
 
 void write_retuned(const std::string& path, const CalibrationFile& file, const std::optional<LaserVerdict>& verdict) {
   if (!verdict || !verdict->wavelength) {
-    throw Error(ErrorKind::kNotEnoughData,
-                "--retune needs a calibration whose beams follow a grating, and at least ten dots on boards near where "
-                "its beams would be; these images do not show them");
+    throw Error(
+        ErrorKind::kNotEnoughData,
+        "there is no wavelength at which the beams would explain these dots; --retune needs a calibration whose "
+        "beams follow a grating, a projector that has not moved since, and at least ten dots on boards");
   }
   CalibrationFile retuned = file;
   retuned.calibration.laser = at_wavelength(*file.calibration.laser, verdict->wavelength->scale);
   write_calibration(path, retuned);
+  say("wrote " + path);
 }
 
 }  // namespace raybundle::apps

@@ -22,10 +22,10 @@ namespace {
 struct ValidateFlags {
   std::string calibration;
   InputFlags input;
-  double max_rms_px = 0.0;    // 0: twice what the calibration itself reached
-  double min_share = 0.75;    // of the views, which have to fit at all
-  double max_plane_mm = 0.0;  // rms of the laser's points from the boards; 0: no gate
-  std::string retuned;        // file for the calibration with the wavelength that the dots show; empty: none
+  double max_rms_px = 0.0;  // 0: twice what the calibration itself reached
+  double min_share = 0.75;  // of the views, which have to fit at all
+  LaserGate laser;
+  std::string retuned;  // file for the calibration with the wavelength that the dots show; empty: none
   bool json = false;
 };
 
@@ -143,15 +143,18 @@ void run(const ValidateFlags& flags) {
     verdicts[camera].views_apart += aside.scope == SetAside::Scope::kExtrinsics;
   }
   std::optional<LaserVerdict> dots;
-  const bool any_dots =
-      std::ranges::any_of(images.observations.problem.views, [](const TargetView& v) { return !v.dots.empty(); });
-  if (file.calibration.laser && any_dots) {
-    dots = judge_laser(file.calibration, images.observations.problem, result);
-    dots->limit_mm = flags.max_plane_mm;
+  if (file.calibration.laser && images.observations.problem.laser) {
+    dots = judge_laser(file.calibration, images.observations.problem, result, flags.laser);
+  } else if (images.observations.problem.laser) {
+    say_warning("the calibration has no laser beams, so the dots are not judged");
   }
-  if (!flags.retuned.empty()) write_retuned(flags.retuned, file, dots);
+  if (!flags.retuned.empty()) {
+    write_retuned(flags.retuned, file, dots);
+    dots->retuned = true;
+  }
+  const bool gate_without_laser = !dots && flags.laser.max_plane_mm > 0.0;
   const bool passed =
-      std::ranges::all_of(verdicts, &CameraVerdict::passed) && (dots ? dots->passed() : flags.max_plane_mm <= 0.0);
+      std::ranges::all_of(verdicts, &CameraVerdict::passed) && (dots ? dots->passed() : !gate_without_laser);
   if (flags.json) {
     print_json(verdicts, dots, passed);
   } else {
@@ -160,14 +163,11 @@ void run(const ValidateFlags& flags) {
     for (const SetAside& aside : result.set_aside) {
       say(fmt::format("set aside: {}: {}", view_name(problem, problem.views[aside.view]), aside.reason));
     }
-    if (!dots && flags.max_plane_mm > 0.0) {
+    if (gate_without_laser) {
       fmt::print(
           "FAIL  laser: there is nothing to judge by --max-plane, no beams in the calibration or no dots here\n");
-    } else if (dots && !dots->passed()) {
-      fmt::print(
-          "FAIL  laser: its points lie {:.2f} mm rms off the boards, above the limit of {:.2f} mm (--max-plane)\n",
-          dots->plane_mm(), dots->limit_mm);
     }
+    if (dots && !dots->passed()) fmt::print("FAIL  {}\n", why_failed(*dots));
     const bool cameras_passed = std::ranges::all_of(verdicts, &CameraVerdict::passed);
     if (!cameras_passed) print_next_step(verdicts);
   }
@@ -187,9 +187,13 @@ void add_validate_verb(CLI::App& app) {
   verb->add_option("--min-views", flags->min_share, "gate for each camera: share of its views that have to fit")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  verb->add_option("--max-plane", flags->max_plane_mm,
+  verb->add_option("--max-plane", flags->laser.max_plane_mm,
                    "gate for the laser: rms distance of its points from the boards [mm]")
       ->check(CLI::PositiveNumber);
+  verb->add_option("--min-dots", flags->laser.min_share,
+                   "gate for the laser: share of its dots on boards that have to belong to a beam")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   verb->add_option("--retune", flags->retuned,
                    "write the calibration with the laser's wavelength as these images show it: temperature moves it")
       ->type_name("FILE");

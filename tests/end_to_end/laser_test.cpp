@@ -105,6 +105,72 @@ TEST(Laser, AWarmerLaserIsRetunedFromFiveFrames) {
   EXPECT_LT(warm["plane_rms_mm"].get<double>(), 5.0);
 }
 
+/// The rig of these tests with its projector turned by 0.3 degrees: half the distance between two beams at its rim.
+fs::path turned_rig(const fs::path& folder) {
+  std::string rig = text_of(kRig);
+  const std::string turn = "turned_deg = [0.8, -1.5, 0.4]";
+  EXPECT_NE(rig.find(turn), std::string::npos);
+  rig.replace(rig.find(turn), turn.size(), "turned_deg = [0.8, -1.2, 0.4]");
+  write_text(folder / "turned.toml", rig);
+  return folder / "turned.toml";
+}
+
+TEST(Laser, AProjectorThatHasMovedIsToldFromAWarmerOne) {
+  const fs::path folder = fresh_folder();
+  ASSERT_EQ(simulate(folder / "sim", {"--frames", "40", "--seed", "7", "--no-images"}).exit_code, 0);
+  ASSERT_EQ(raybundle_program({"simulate", turned_rig(folder).string(), "-o", (folder / "moved").string(), "--frames",
+                               "40", "--seed", "7", "--no-images"})
+                .exit_code,
+            0);
+  calibrate(folder, {"--observations", (folder / "sim/observations.json").string()});
+  const std::vector<std::string> held_out{"validate", (folder / "out/calibration.json").string(), "--observations",
+                                          (folder / "moved/observations.json").string()};
+  const ProgramRun run = raybundle_program(held_out);
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(run.out.find("has the projector moved"), std::string::npos) << run.out;
+  std::vector<std::string> retuned = held_out;
+  retuned.insert(retuned.end(), {"--retune", (folder / "warm.json").string()});
+  EXPECT_EQ(raybundle_program(retuned).exit_code, 3);
+  EXPECT_FALSE(fs::exists(folder / "warm.json"));
+}
+
+/// The simulation's observations with the dots of another one, of the same boards, from some frame on.
+nlohmann::json with_dots_of(nlohmann::json observations, const nlohmann::json& other, std::size_t first) {
+  for (std::size_t v = first; v < observations["views"].size(); ++v) {
+    observations["views"][v]["dots"] = other["views"][v]["dots"];
+  }
+  return observations;
+}
+
+TEST(Laser, AProjectorThatMovesOnTheWayIsNamedAndNotAveragedIn) {
+  const fs::path folder = fresh_folder();
+  ASSERT_EQ(simulate(folder / "sim", {"--frames", "40", "--seed", "7", "--no-images"}).exit_code, 0);
+  ASSERT_EQ(raybundle_program({"simulate", turned_rig(folder).string(), "-o", (folder / "moved").string(), "--frames",
+                               "40", "--seed", "7", "--no-images"})
+                .exit_code,
+            0);
+  const nlohmann::json before = json_of(folder / "sim/observations.json");
+  const nlohmann::json after = json_of(folder / "moved/observations.json");
+  write_text(folder / "last.json", with_dots_of(before, after, 36).dump());
+  const nlohmann::json report = calibrate(folder, {"--observations", (folder / "last.json").string()});
+  EXPECT_NE(report["warnings"].dump().find("(36, 37, 38, 39) lie on no beam"), std::string::npos) << report["warnings"];
+  const std::vector<double> distances =
+      distances_at_1m(json_of(folder / "out/calibration.json"), json_of(folder / "sim/truth/calibration.json"));
+  EXPECT_LT(distances[distances.size() / 2], 1.5e-3);
+
+  write_text(folder / "half.json", with_dots_of(before, after, 20).dump());
+  const nlohmann::json half = calibrate(folder, {"--observations", (folder / "half.json").string()});
+  EXPECT_NE(half["warnings"].dump().find("lie on no beam"), std::string::npos) << half["warnings"];
+
+  nlohmann::json swapped = before;
+  for (nlohmann::json& view : swapped["views"]) {
+    for (nlohmann::json& dot : view["dots"]) std::swap(dot[0], dot[1]);
+  }
+  write_text(folder / "swapped.json", swapped.dump());
+  const nlohmann::json exchanged = calibrate(folder, {"--observations", (folder / "swapped.json").string()});
+  EXPECT_NE(exchanged["warnings"].dump().find("dots"), std::string::npos) << exchanged["warnings"];
+}
+
 TEST(Laser, ImagesGiveTheBeams) {
   const fs::path folder = fresh_folder();
   ASSERT_EQ(simulate(folder / "sim", {"--frames", "40", "--seed", "7"}).exit_code, 0);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "raybundle/bundle/parameters.hpp"
 #include "raybundle/calibrate/lens_domain.hpp"
 #include "robust_solve.hpp"
 
@@ -23,7 +24,8 @@ std::size_t count_used(const std::vector<ObservationFate>& fates) {
 }
 
 bool swallows_noise(const CalibrationProblem& single, const BundleState& state) {
-  const std::size_t unknowns = 6 * single.views.size() + static_cast<std::size_t>(state.cameras[0].parameters.size());
+  std::size_t unknowns = 6 * single.views.size();
+  for (const ParameterBlock& block : parameter_blocks(single)) unknowns += block.free().size();
   return count_used(state) <= kSwallowed * unknowns;
 }
 

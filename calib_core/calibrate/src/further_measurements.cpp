@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "further_measurements.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -14,10 +16,13 @@
 #include "raybundle/uncertainty/frame_covariance.hpp"
 #include "raybundle/uncertainty/frame_repetition.hpp"
 #include "stopwatch.hpp"
+#include "stray_dots.hpp"
 #include "survey_stage.hpp"
 
 namespace raybundle {
 namespace {
+
+constexpr double kMuchScatter = 4.0;  // times a dot's stated sigma: speckle and ink make it twice as large
 
 // Cameras, boards and beams in one bundle, from cameras and boards that are solved.
 //
@@ -30,6 +35,7 @@ void add_laser(const CalibrateOptions& options, const BundleOptions& bundle, dou
     const Stopwatch stopwatch(with.stages, "laser");
     solve = solve_with_dots(problem, state, corner_scale, options, bundle);
   }
+  const std::optional<std::string> stray = judge_stray_dots(solve);
   {
     const Stopwatch stopwatch(with.stages, "uncertainty");
     solve.laser.parameters = drag_of(problem, state, solve.state, bundle, result.calibration.covariance);
@@ -49,6 +55,14 @@ void add_laser(const CalibrateOptions& options, const BundleOptions& bundle, dou
   }
   if (const auto warning = drag_warning(solve.laser.parameters, "the laser's dots", "wrong labels")) {
     with.warnings.push_back(*warning);
+  }
+  if (stray) with.warnings.push_back(*stray);
+  if (solve.laser.sigma_scale > kMuchScatter) {
+    with.warnings.push_back(
+        fmt::format("the laser's dots lie {:.0f} times as far from their beams as their sigmas say; are their labels "
+                    "right, their u "
+                    "and v not exchanged, and the board flat?",
+                    solve.laser.sigma_scale));
   }
   with.laser = std::move(solve.laser);
   problem = std::move(solve.problem);

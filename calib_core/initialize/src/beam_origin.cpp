@@ -13,6 +13,8 @@ namespace raybundle {
 namespace {
 
 constexpr std::size_t kFewestToTell = 12;  // lines: more than the common model's 12 parameters need
+constexpr double kPlainly = 0.85;          // of the most light: as bright, as far as ink and speckle let one say
+constexpr double kOutshines = 1.25;        // of the usual beam's light
 
 using Places = std::vector<std::optional<LatticePlace>>;
 
@@ -108,8 +110,6 @@ std::optional<double> light_of(const CalibrationProblem& problem, const std::vec
 std::vector<Shift> brightest_shifts(const CalibrationProblem& problem, const std::vector<BeamHit>& hits,
                                     const std::vector<HitLine>& lines, const Places& places,
                                     const std::vector<Shift>& shifts) {
-  constexpr double kPlainly = 0.85;    // of the most light: as bright, as far as ink and speckle let one say
-  constexpr double kOutshines = 1.25;  // of the usual beam's light
   std::vector<std::optional<double>> light(shifts.size());
   std::vector<double> usual;
   for (std::size_t l = 0; l < lines.size(); ++l) {
@@ -127,6 +127,26 @@ std::vector<Shift> brightest_shifts(const CalibrationProblem& problem, const std
     if (light[s] ? *light[s] >= kPlainly * most : !outshines) kept.push_back(shifts[s]);
   }
   return kept;
+}
+
+// The beam that plainly outshines both the usual one and the one that is said to be the brightest.
+std::optional<int> brighter_than_said(const CalibrationProblem& problem, const std::vector<BeamHit>& hits,
+                                      const std::vector<HitLine>& lines, const std::vector<int>& beam_of_line) {
+  std::vector<double> usual;
+  std::optional<double> said;
+  std::optional<int> brightest;
+  double most = 0.0;
+  for (std::size_t l = 0; l < lines.size(); ++l) {
+    const std::optional<double> sent = light_of(problem, hits, lines[l]);
+    if (!sent || beam_of_line[l] == kUnlabelled) continue;
+    usual.push_back(*sent);
+    if (beam_of_line[l] == *problem.laser->brightest) said = sent;
+    if (*sent <= most) continue;
+    most = *sent;
+    brightest = beam_of_line[l];
+  }
+  const bool outshines = !usual.empty() && most > kOutshines * quantile(usual, 0.75);
+  return outshines && said.value_or(0.0) < kPlainly * most ? brightest : std::nullopt;
 }
 
 // The shifts for which the lines follow the common model about as well as for any: its lens bends the beams around the
@@ -157,6 +177,10 @@ std::vector<Shift> fitting_shifts(const LaserGrid& grid, int zero_order, const s
     if (rms_rad[s] <= kAboutAsWell * best_rad) kept.push_back(shifts[s]);
   }
   return kept;
+}
+
+std::string beam_words(const LaserGrid& grid, int beam) {
+  return "row " + std::to_string(grid.row(beam)) + ", column " + std::to_string(grid.column(beam));
 }
 
 void transpose(Places& places) {
@@ -221,11 +245,18 @@ BeamOrigin beam_origin(const LaserScene& scene, const std::vector<BeamHit>& hits
   if (shifts.size() > 1) {
     origin.guessed = true;
     origin.reason = "nothing: " + grid_words(rows.count(), columns.count()) +
-                    " were seen, taken for the middle ones; name the brightest or a missing beam, or give an anchor";
+                    " were seen, taken for the middle ones; " +
+                    (laser.brightest ? "give an anchor, or name a missing beam"
+                                     : "name the brightest or a missing beam, or give an anchor");
   }
   const Shift shift = shifts[shifts.size() / 2];
   for (std::size_t l = 0; l < lines.size(); ++l) {
     if (places[l]) origin.beam_of_line[l] = beam_at(laser.grid, *places[l], shift).value_or(kUnlabelled);
+  }
+  const auto brighter = laser.brightest ? brighter_than_said(problem, hits, lines, origin.beam_of_line) : std::nullopt;
+  if (brighter && !origin.guessed) {
+    origin.reason += ", by which not " + beam_words(laser.grid, *laser.brightest) +
+                     " is the brightest, as is said, but " + beam_words(laser.grid, *brighter);
   }
   return origin;
 }

@@ -39,6 +39,23 @@ BeamLines labelled_lines(const CalibrationProblem& problem, const std::vector<Be
   return lines;
 }
 
+// Of so few dots most often the images are wrong, of many the poses.
+std::string why_no_grid(const LaserScene& scene, std::size_t dots, std::size_t lines) {
+  constexpr double kFewOfView = 3.0;
+  const auto views = std::ranges::count_if(scene.rig_from_target,
+                                           [](const auto& rig_from_target) { return rig_from_target.has_value(); });
+  const std::string counted = std::to_string(dots) + " dots in " + std::to_string(views) + " views";
+  if (static_cast<double>(dots) < kFewOfView * static_cast<double>(views)) {
+    return "hardly any laser dot was found on the boards (" + counted +
+           "); are the images with the laser on and off swapped, of different poses or overexposed, or does the laser "
+           "miss the board?";
+  }
+  return "the laser dots of different board poses do not line up to a grid of beams (" + counted + ", " +
+         std::to_string(lines) +
+         " lines); do the images with the laser on belong to the poses of those with it off, and did the projector "
+         "stand still? If so take 20 or more poses at distances that differ by half";
+}
+
 BeamLines unlabelled_lines(const LaserScene& scene, const std::vector<BeamHit>& hits, BeamStart& start) {
   const std::vector<HitLine> found = lines_through_hits(scene, hits);
   std::vector<Line3> directions;
@@ -49,10 +66,7 @@ BeamLines unlabelled_lines(const LaserScene& scene, const std::vector<BeamHit>& 
   }
   const auto places = lattice_places(directions, weights);
   if (std::ranges::count_if(places, [](const auto& place) { return place.has_value(); }) < 4) {
-    throw Error(ErrorKind::kNotEnoughData,
-                "the laser dots of different board poses do not line up to a grid of beams (" +
-                    std::to_string(hits.size()) + " dots, " + std::to_string(found.size()) +
-                    " lines); take 20 or more poses at distances that differ by half");
+    throw Error(ErrorKind::kNotEnoughData, why_no_grid(scene, hits.size(), found.size()));
   }
   const BeamOrigin origin = beam_origin(scene, hits, found, places);
   start.origin = origin.reason;

@@ -259,8 +259,8 @@ std::vector<Dot> dots_from(const JsonNode& rows, const LaserGrid& grid) {
     }
     Dot dot;
     dot.pixel = {row[0].number(), row[1].number()};
-    const double cuv = row[3].number();
-    dot.covariance_px2 << row[2].positive_number(), cuv, cuv, row[4].positive_number();
+    const double cuu = row[2].positive_number(), cuv = row[3].number(), cvv = row[4].positive_number();
+    dot.covariance_px2 << cuu, cuv, cuv, cvv;
     if (size > 5 && row[5].is_null() != row[6].is_null()) row.fail("has a row or a column, but not both");
     if (size > 5 && !row[5].is_null()) dot.beam = label_from(row[5], row[6], grid);
     if (size > 7) dot.brightness = row[7].number();

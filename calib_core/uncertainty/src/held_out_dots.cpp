@@ -27,6 +27,10 @@ CalibratedTarget board_of(const Calibration& calibration, const Target& target) 
   return known != calibration.targets.end() ? *known : CalibratedTarget{target, {}};
 }
 
+bool inside(const Eigen::Vector2d& pixel, ImageSize size) {
+  return pixel.minCoeff() >= 0.0 && pixel.x() < size.width && pixel.y() < size.height;
+}
+
 /// Where the beams meet a board, for those that the camera sees there.
 std::vector<Prediction> predictions(const LaserPattern& pattern, const RigCamera& camera, const BoardSurface& surface,
                                     const BoardShape& shape, const Rigid3& rig_from_target) {
@@ -107,6 +111,32 @@ std::vector<HeldOutDot> explain_dots(const Calibration& calibration, const Calib
     }
   }
   return explained;
+}
+
+std::vector<DotsOnBoard> dots_on_boards(const Calibration& calibration, const CalibrationProblem& problem,
+                                        const std::vector<std::optional<Rigid3>>& rig_from_target) {
+  std::vector<DotsOnBoard> on_boards(problem.views.size());
+  for (std::size_t v = 0; v < problem.views.size(); ++v) {
+    const TargetView& view = problem.views[v];
+    if (!rig_from_target[v] || view.dots.empty() || !calibration.laser) continue;
+    const RigCamera& camera = camera_named(calibration, problem.cameras[view.camera].name);
+    const CalibratedTarget board = board_of(calibration, problem.targets[view.target]);
+    if (!board.target.flat()) continue;
+    const BoardSurface surface(board.target);
+    const Rigid3 rig_from_camera = camera.camera_from_rig.inverse(), target_from_rig = rig_from_target[v]->inverse();
+    const auto covered = [&](const Line3& line_in_rig) {
+      const auto crossing = surface.crossing(target_from_rig * line_in_rig, board.shape);
+      return crossing && surface.covers(*crossing);
+    };
+    for (const Dot& dot : view.dots) {
+      const auto ray = ray_from_pixel(camera.camera, dot.pixel);
+      on_boards[v].dots += ray && covered(rig_from_camera * Line3{Eigen::Vector3d::Zero(), *ray});
+    }
+    for (const Prediction& beam : predictions(*calibration.laser, camera, surface, board.shape, *rig_from_target[v])) {
+      on_boards[v].beams += inside(beam.pixel, camera.camera.size) && covered(*beam.line);
+    }
+  }
+  return on_boards;
 }
 
 }  // namespace raybundle

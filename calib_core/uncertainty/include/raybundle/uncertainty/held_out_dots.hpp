@@ -34,4 +34,18 @@ std::optional<Eigen::Vector3d> point_on_beam(const RigCamera& camera, const Line
 std::vector<HeldOutDot> explain_dots(const Calibration& calibration, const CalibrationProblem& problem,
                                      const std::vector<std::optional<Rigid3>>& rig_from_target, double tolerance_px);
 
+/// What can be asked of the dots of one view.
+struct DotsOnBoard {
+  int dots = 0;   ///< that the camera sees amid the board's points
+  int beams = 0;  ///< that meet the board there, in sight of the camera
+
+  int to_explain() const { return dots < beams ? dots : beams; }  ///< at the most: beams may be unknown, dots on ink
+};
+
+/// How many dots of each view beams should explain; none where the board's place is not known or the board is not flat.
+///
+/// @return  aligned with problem.views
+std::vector<DotsOnBoard> dots_on_boards(const Calibration& calibration, const CalibrationProblem& problem,
+                                        const std::vector<std::optional<Rigid3>>& rig_from_target);
+
 }  // namespace raybundle
