@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "lost_views.hpp"
 #include "raybundle/bundle/parameters.hpp"
 #include "raybundle/calibrate/lens_domain.hpp"
 #include "robust_solve.hpp"
@@ -136,7 +137,7 @@ bool choose_corners_again(const CalibrationProblem& single, BundleState& state, 
                           std::vector<std::string>& reasons, BundleSummary& summary) {
   SolvedState solved{state, reasons, summary};
   const auto chosen_again = [&] {
-    if (readmit_views(single, options, solved)) return true;
+    if (readmit_views(single, options, solved) || win_back_views(single, options, solved)) return true;
     if (!swallows_noise(single, state)) return false;
     const double limit_sigmas = kReadmitted * options.outlier_sigma * robust_sigmas(single, state)[0];
     return readmit_corners(single, options, limit_sigmas, solved) ||

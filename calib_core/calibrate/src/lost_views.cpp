@@ -55,37 +55,55 @@ std::vector<std::size_t> doubtful_views(const BundleState& state) {
 }
 
 // Solves on from another place, where right corners may be so far off, and goes there if that is better.
-void move_if_better(const CalibrationProblem& single, SolvedState other, double off_px, const CalibrateOptions& options,
+bool move_if_better(const CalibrationProblem& single, SolvedState other, double off_px, const CalibrateOptions& options,
                     SolvedState& solved) {
   mark_projectable(single, other.state);
   solve_robustly(single, other.state, options, off_px);
   other.summary = solve_without_outliers(single, other.state, options, false, other.reasons);
-  if (is_better(single, other, solved, options)) solved = std::move(other);
+  const bool better = is_better(single, other, solved, options);
+  if (better) solved = std::move(other);
+  return better;
+}
+
+bool pose_doubtful_views_anew(const CalibrationProblem& single, const CalibrateOptions& options, SolvedState& solved) {
+  const std::vector<std::size_t> doubtful = doubtful_views(solved.state);
+  if (doubtful.empty()) return false;
+  SolvedState other = solved;
+  for (const std::size_t v : doubtful) {
+    other.state.pose_of_view[v] = -1;
+    std::ranges::fill(other.state.fates[v], ObservationFate::kViewSetAside);
+  }
+  if (!give_second_chance(single, other.state, options, other.reasons)) return false;
+  return move_if_better(single, std::move(other), 0.0, options, solved);
+}
+
+// Poses lost views under a lens that their right corners may be far from.
+bool win_back_under(const Camera& lens, const CalibrationProblem& single, const CalibrateOptions& options,
+                    SolvedState& solved) {
+  SolvedState other = solved;
+  other.state.cameras[0] = lens;
+  const double fit_px = kFitOfWidth * std::max(lens.size.width, lens.size.height);
+  if (!pose_lost_views(single, lens, fit_px, other.state)) return false;
+  return move_if_better(single, std::move(other), fit_px, options, solved);
+}
+
+bool win_back_lost_views(const CalibrationProblem& single, const CalibrateOptions& options, SolvedState& solved) {
+  const auto lost = [](int pose) { return pose < 0; };
+  if (std::ranges::none_of(solved.state.pose_of_view, lost)) return false;
+  const Camera lens = solved.state.cameras[0];
+  if (win_back_under(lens, single, options, solved)) return true;
+  const std::vector<int> higher = higher_coefficients(lens.model);
+  if (higher.empty()) return false;
+  const CameraCorners corners = used_corners(single, solved.state, 0);
+  return win_back_under(fitted_anew(lens, corners.rays, corners.pixels, higher), single, options, solved);
 }
 
 }  // namespace
 
-void win_back_views(const CalibrationProblem& single, const CalibrateOptions& options, SolvedState& solved) {
-  if (solved.summary.termination == Termination::kFailed) return;
-  if (const std::vector<std::size_t> doubtful = doubtful_views(solved.state); !doubtful.empty()) {
-    SolvedState other = solved;
-    for (const std::size_t v : doubtful) {
-      other.state.pose_of_view[v] = -1;
-      std::ranges::fill(other.state.fates[v], ObservationFate::kViewSetAside);
-    }
-    const bool posed = give_second_chance(single, other.state, options, other.reasons);
-    if (posed) move_if_better(single, std::move(other), 0.0, options, solved);
-  }
-  const bool lost = std::ranges::any_of(solved.state.pose_of_view, [](int pose) { return pose < 0; });
-  const std::vector<int> higher = higher_coefficients(solved.state.cameras[0].model);
-  if (!lost || higher.empty()) return;
-  SolvedState other = solved;
-  const CameraCorners corners = used_corners(single, solved.state, 0);
-  Camera& lens = other.state.cameras[0];
-  lens = fitted_anew(lens, corners.rays, corners.pixels, higher);
-  const double fit_px = kFitOfWidth * std::max(lens.size.width, lens.size.height);
-  if (!pose_lost_views(single, lens, fit_px, other.state)) return;
-  move_if_better(single, std::move(other), fit_px, options, solved);
+bool win_back_views(const CalibrationProblem& single, const CalibrateOptions& options, SolvedState& solved) {
+  if (solved.summary.termination == Termination::kFailed) return false;
+  const bool posed_anew = pose_doubtful_views_anew(single, options, solved);
+  return win_back_lost_views(single, options, solved) || posed_anew;
 }
 
 }  // namespace raybundle
