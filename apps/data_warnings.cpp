@@ -3,6 +3,7 @@
 #include "data_warnings.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <iterator>
@@ -72,6 +73,55 @@ std::vector<std::string> shared_image_warnings(const CalibrationProblem& problem
   return warnings;
 }
 
+// Cameras called left and right that lie the other way round: their images were exchanged, or both hang upside down.
+std::string exchanged_sides_warning(const Calibration& calibration) {
+  const auto named = [&](const char* name) { return std::ranges::find(calibration.cameras, name, &RigCamera::name); };
+  const auto left = named("left"), right = named("right");
+  if (left == calibration.cameras.end() || right == calibration.cameras.end()) return {};
+  const Eigen::Vector3d right_in_left = (left->camera_from_rig * right->camera_from_rig.inverse()).translation;
+  if (right_in_left.x() >= -right_in_left.tail<2>().norm()) return {};
+  return fmt::format(
+      "right lies {:.0f} mm to the left of left: are their images exchanged, or do both cameras hang upside down?",
+      -1e3 * right_in_left.x());
+}
+
+// Frames that do not link two cameras as they are, but would if their images were exchanged.
+std::string exchanged_frames_warning(const CalibrationProblem& problem, const CalibrationResult& result) {
+  constexpr double kPlainlyNearer = 0.35;  // each image was posed with the other camera's lens
+  const auto camera_from_rig = [&](int view) -> const Rigid3& {
+    return result.calibration.cameras[problem.views[view].camera].camera_from_rig;
+  };
+  const auto camera_from_target = [&](int view) {
+    return camera_from_rig(view) * result.poses[result.views[view].pose].rig_from_target;
+  };
+  const auto distance_m = [](const Rigid3& a, const Rigid3& b) { return (a.translation - b.translation).norm(); };
+  std::set<int> frames;
+  std::pair<int, int> cameras;
+  for (const SetAside& aside : result.set_aside) {
+    if (aside.scope != SetAside::Scope::kExtrinsics) continue;
+    const TargetView& here = problem.views[aside.view];
+    for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
+      const TargetView& there = problem.views[v];
+      const bool other = there.frame == here.frame && there.target == here.target && there.camera != here.camera;
+      if (!other || result.views[v].pose < 0 || result.views[aside.view].pose < 0) continue;
+      const Rigid3 there_from_here = camera_from_rig(v) * camera_from_rig(aside.view).inverse();
+      const double apart_m = distance_m(there_from_here * camera_from_target(aside.view), camera_from_target(v));
+      const double exchanged_m = distance_m(there_from_here * camera_from_target(v), camera_from_target(aside.view));
+      if (!(exchanged_m < kPlainlyNearer * apart_m)) continue;
+      frames.insert(here.frame);
+      cameras = std::minmax(here.camera, there.camera);
+    }
+  }
+  if (frames.empty()) return {};
+  std::vector<std::string> names;
+  for (const int frame : frames) names.push_back(problem.frames[frame]);
+  return fmt::format(
+      "the images of {} and {} look exchanged in frame{} {}: each board lies where the other camera would see it; "
+      "exchange them, and these frames link the cameras, too",
+      problem.cameras[cameras.first].name, problem.cameras[cameras.second].name, frames.size() == 1 ? "" : "s",
+      fmt::join(names, ", "));
+}
+
 }  // namespace
 
 std::string unit_warning(const Target& target) {
@@ -90,6 +140,10 @@ std::vector<std::string> data_warnings(const CalibrationProblem& problem, const 
     if (const std::string warning = unit_warning(target); !warning.empty()) warnings.push_back(warning);
   }
   std::ranges::copy(shared_image_warnings(problem), std::back_inserter(warnings));
+  for (const std::string& warning :
+       {exchanged_sides_warning(result.calibration), exchanged_frames_warning(problem, result)}) {
+    if (!warning.empty()) warnings.push_back(warning);
+  }
   for (std::size_t c = 0; c < problem.cameras.size(); ++c) {
     const int views = result.cameras[c].views_used;
     if (views == 0 || views >= kFewViews) continue;

@@ -85,5 +85,36 @@ TEST(CalibratesARig, FromMrcalsCornerTable) {
   EXPECT_LT(angle_deg(ours * truth.inverse()), 1.5);
 }
 
+/// Folder with OpenCV's stereo pairs, those of some numbers with left and right exchanged.
+fs::path pairs_exchanged(const std::vector<int>& numbers) {
+  const fs::path folder = fresh_folder() / "pairs";
+  fs::create_directories(folder);
+  for (const fs::directory_entry& entry : fs::directory_iterator(real_data("opencv_stereo_chess"))) {
+    std::string name = entry.path().filename().string();
+    const bool left = name.starts_with("left"), right = name.starts_with("right");
+    if ((!left && !right) || entry.path().extension() != ".jpg") continue;
+    const std::string number = name.substr(left ? 4 : 5);
+    if (std::ranges::count(numbers, std::stoi(number)) > 0) name = (left ? "right" : "left") + number;
+    fs::copy_file(entry.path(), folder / name);
+  }
+  return folder;
+}
+
+std::string warnings_of_pairs(const fs::path& folder) {
+  const nlohmann::json report = calibrate(
+      folder, {"--target", "chessboard:9x6:25mm", "--model", "brown_conrady", "--camera",
+               "left=" + (folder / "left*.jpg").string(), "--camera", "right=" + (folder / "right*.jpg").string()});
+  return report["warnings"].dump();
+}
+
+TEST(CalibratesARig, AndNamesImagesThatAreExchanged) {
+  RAYBUNDLE_NEEDS_DATA("opencv_stereo_chess");
+  EXPECT_EQ(warnings_of_pairs(pairs_exchanged({})).find("exchanged"), std::string::npos);
+  const std::string some = warnings_of_pairs(pairs_exchanged({3, 7, 12}));
+  EXPECT_NE(some.find("images of left and right look exchanged in frames 3, 7, 12"), std::string::npos) << some;
+  const std::string all = warnings_of_pairs(pairs_exchanged({1, 2, 3, 4, 5, 6, 7, 8, 9, 11, 12, 13, 14}));
+  EXPECT_NE(all.find("right lies 83 mm to the left of left"), std::string::npos) << all;
+}
+
 }  // namespace
 }  // namespace raybundle::testing
