@@ -55,6 +55,8 @@ INSTANTIATE_TEST_SUITE_P(Rigs, HardStart,
                                            HardRig{"ALostViewFarFromTheOthersComesBack", "kannala_brandt", 11119},
                                            HardRig{"ThreeLensesMayLieAlongOneValley", "double_sphere", 20220},
                                            HardRig{"AViewThatComesBackMayLeadElsewhere", "double_sphere", 13098},
+                                           HardRig{"ALensNearlyRectilinearKeepsItsBeta", "extended_unified", 30649},
+                                           HardRig{"AViewPosedPoorlyComesBackInTheEnd", "brown_conrady", 22216},
                                            HardRig{"AllCoefficientsAreTriedOnceMore", "thin_prism", 16056},
                                            HardRig{"ParallelBoardsFitOtherFocalLengths", "kannala_brandt", 16005}),
                          [](const auto& rig) { return std::string(rig.param.name); });

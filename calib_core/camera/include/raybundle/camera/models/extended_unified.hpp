@@ -22,6 +22,8 @@ struct ExtendedUnified {
   static constexpr std::array<double, 2> kStartShape{0.5, 1.0};
   static constexpr std::array kExamples{ExampleShape<2>{{0.6, 1.1}, 1.9}, ExampleShape<2>{{0.5, 0.9}, 2.5},
                                         ExampleShape<2>{{0.35, 1.3}, 1.6}, ExampleShape<2>{{-0.15, 1.0}, 1.0}};
+  // Of a lens that is nearly rectilinear, alpha is nearly zero and beta means nothing.
+  static constexpr std::array kExpected{ExpectedCoefficient{"beta", 1.0, 1.0}};
   static constexpr std::array kForeignNames{ForeignName{"kalibr", "eucm-none"}, ForeignName{"basalt", "eucm"},
                                             ForeignName{"colmap", "EUCM"}};
 
