@@ -11,6 +11,7 @@
 #include <map>
 #include <set>
 
+#include "alike_boards.hpp"
 #include "detection_cache.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/hash.hpp"
@@ -115,6 +116,7 @@ constexpr std::size_t kFewestCorners = 4;
 
 DetectedImages detect_images(const Dataset& dataset, const DetectOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
+  refuse_alike_boards(dataset.boards);
   DetectedImages images;
   for (int c = 0; c < static_cast<int>(dataset.cameras.size()); ++c) {
     const std::vector<ImageFile> files = image_files(c, dataset.folder, dataset.cameras[c].images);

@@ -153,6 +153,24 @@ TEST_F(BadInput, AnotherBoardSaysHowManyCornersWereSeen) {
   }
 }
 
+// Two boards that are alike would both be found in the print of one, and each of its corners would count twice.
+TEST_F(BadInput, TwoBoardsThatImagesDoNotTellApart) {
+  const auto chessboard = [](const std::string& name, const std::string& size) {
+    return "[[target]]\nname = \"" + name + "\"\nkind = \"chessboard\"\n" + size + "\nsquare_m = 0.025\n";
+  };
+  const std::string nine = "columns = 9\nrows = 6", eight = "columns = 8\nrows = 5";
+  const std::string tags = "[[target]]\nkind = \"aprilgrid\"\ncolumns = 6\nrows = 6\ntag_m = 0.088\nspacing = 0.3\n";
+  const auto refuses_boards = [&](const std::string& boards, const std::vector<std::string>& words) {
+    write_text(place / "left1.jpg", "this is not an image");
+    write_text(place / "dataset.toml",
+               boards + "[[camera]]\nname = \"c\"\nmodel = \"pinhole\"\nimages = \"left1.jpg\"\n");
+    refuses({(place / "dataset.toml").string()}, 2, words);
+  };
+  refuses_boards(chessboard("a", nine) + chessboard("b", eight), {"'a' from 'b'", "ChArUco"});
+  refuses_boards(tags + tags + "first_tag = 35\n", {"'board' from 'board2'", "the same markers"});
+  refuses_boards(chessboard("a", nine) + chessboard("a", nine), {"dataset.toml:6", "two [[target]] are called 'a'"});
+}
+
 TEST_F(BadInput, FewerThanThreeViews) {
   RAYBUNDLE_NEEDS_DATA(kImages);
   copy_images(2);

@@ -168,6 +168,14 @@ void check_laser(const CalibrationProblem& problem) {
   }
 }
 
+// Their shapes are parameters, which are called by the board's name.
+void refuse_boards_of_one_name(const CalibrationProblem& problem) {
+  std::set<std::string> names;
+  for (const Target& target : problem.targets) {
+    if (!names.insert(target.name).second) refuse("two boards are called '" + target.name + "'; rename one");
+  }
+}
+
 }  // namespace
 
 std::string view_name(const CalibrationProblem& problem, const TargetView& view) {
@@ -187,6 +195,7 @@ void check(const CalibrationProblem& problem) {
     if (!names.insert(camera.name).second) refuse("two cameras are called '" + camera.name + "'; rename one");
   }
   std::ranges::for_each(problem.targets, check_target);
+  refuse_boards_of_one_name(problem);
   for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) refuse_swapped_axes(problem, c);
   std::set<std::tuple<int, int, int>> seen;
   for (std::size_t i = 0; i < problem.views.size(); ++i) {

@@ -61,6 +61,7 @@ TEST(ProblemCheck, NamesTheCameraRuleOrTargetThatIsWrong) {
   EXPECT_THAT(message_after([](auto& p) { p.cameras[0].parameters = Eigen::VectorXd::Ones(1); }),
               HasSubstr("has 1 start parameters"));
   EXPECT_THAT(message_after([](auto& p) { p.cameras.push_back(p.cameras[0]); }), HasSubstr("two cameras are called"));
+  EXPECT_THAT(message_after([](auto& p) { p.targets.push_back(p.targets[0]); }), HasSubstr("two boards are called"));
   EXPECT_THAT(message_after([](auto& p) { p.cameras[0].size = {}; }), HasSubstr("image size"));
   EXPECT_THAT(message_after([](auto& p) { std::swap(p.targets[0].points[0], p.targets[0].points[1]); }),
               HasSubstr("sorted by id"));
