@@ -4,12 +4,12 @@
 
 #include <CLI/App.hpp>
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <map>
 #include <memory>
 
 #include "image_files.hpp"
+#include "number_flags.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "reconstruct.hpp"
 #include "stereo_reconstruction.hpp"
@@ -113,13 +113,6 @@ void run(const Flags& flags) {
     for (const StereoMoment& moment : moments) reconstruction.take(moment, moments.size() == 1);
   }
   reconstruction.finish();
-}
-
-// As CLI::PositiveNumber, which tells the largest of all numbers in full.
-std::string above_zero(const std::string& text) {
-  double value = 0.0;
-  const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0.0;
-  return good ? "" : fmt::format("'{}' is no number above 0", text);
 }
 
 }  // namespace

@@ -171,6 +171,28 @@ TEST_F(BadInput, TwoBoardsThatImagesDoNotTellApart) {
   refuses_boards(chessboard("a", nine) + chessboard("a", nine), {"dataset.toml:6", "two [[target]] are called 'a'"});
 }
 
+// NaN is within every range that is asked for by comparing.
+TEST(NumberFlags, NoneTakesWhatIsNoNumber) {
+  const std::vector<std::string> verbs[] = {{"compare", "a.json", "b.json", "--max-px"},
+                                            {"eye-safety", "--edition", "1993", "--power"},
+                                            {"eye-safety", "--edition", "1993", "--brightest"},
+                                            {"validate", "a.json", "--max-rms"},
+                                            {"survey", "a.json", "--max-rms"},
+                                            {"reconstruct", "stereo", "a.json", "l", "r", "-o", "o", "--near"},
+                                            {"reconstruct", "stereo", "a.json", "l", "r", "-o", "o", "--uniqueness"},
+                                            {"simulate", "random:1", "-o", "o", "--turn"}};
+  for (std::vector<std::string> arguments : verbs) {
+    const std::string flag = arguments.back();
+    arguments.push_back("nan");
+    const ProgramRun run = raybundle_program(arguments);
+    EXPECT_EQ(run.exit_code, 2) << flag;
+    EXPECT_THAT(run.err, HasSubstr(flag + ": 'nan' must be a number"));
+  }
+  const ProgramRun negative = raybundle_program({"eye-safety", "--edition", "1993", "--power", "-3"});
+  EXPECT_EQ(negative.exit_code, 2);
+  EXPECT_THAT(negative.err, HasSubstr("'-3' must be a number above 0"));
+}
+
 TEST_F(BadInput, FewerThanThreeViews) {
   RAYBUNDLE_NEEDS_DATA(kImages);
   copy_images(2);
