@@ -33,16 +33,19 @@ std::vector<std::string> cost_names() {
 }  // namespace
 
 void declare_rectify_flags(CLI::App& verb, RectifyFlags& flags) {
-  verb.add_option("--left", flags.left, "name of the left camera; the first one unless said")->type_name("NAME");
-  verb.add_option("--right", flags.right, "name of the right camera; the second one unless said")->type_name("NAME");
-  verb.add_option("--projection", flags.projection, "pinhole or equirectangular; the advised one unless said")
-      ->check(CLI::IsMember({"pinhole", "equirectangular"}));
-  verb.add_option("--width", flags.width_px, "of the rectified images [px]; as dense as the cameras unless said")
-      ->check(CLI::Range(16, 1 << 14));
-  verb.add_option("--height", flags.height_px, "of the rectified images [px]")->check(CLI::Range(16, 1 << 14));
-  verb.add_option("--field", flags.field_deg, "of view to keep along and across the baseline [deg]; all unless said")
-      ->expected(2)
-      ->check(CLI::Range(1.0, 360.0));
+  flags.options = {
+      verb.add_option("--left", flags.left, "name of the left camera; the first one unless said")->type_name("NAME"),
+      verb.add_option("--right", flags.right, "name of the right camera; the second one unless said")
+          ->type_name("NAME"),
+      verb.add_option("--projection", flags.projection, "pinhole or equirectangular; the advised one unless said")
+          ->check(CLI::IsMember({"pinhole", "equirectangular"})),
+      verb.add_option("--width", flags.width_px, "of the rectified images [px]; as dense as the cameras unless said")
+          ->check(CLI::Range(16, 1 << 14)),
+      verb.add_option("--height", flags.height_px, "of the rectified images [px]")->check(CLI::Range(16, 1 << 14)),
+      verb.add_option("--field", flags.field_deg,
+                      "of view to keep along and across the baseline [deg]; all unless said")
+          ->expected(2)
+          ->check(CLI::Range(1.0, 360.0))};
 }
 
 RectifyOptions rectify_options(const RectifyFlags& flags) {

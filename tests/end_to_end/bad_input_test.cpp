@@ -266,6 +266,7 @@ TEST_F(BadInput, FlagsThatObservationsMakeIdle) {
   refuses(with({"--target", "chessboard:9x7:50mm"}), 2, {"corners.json", "another board than chessboard:9x7:50mm"});
   refuses(with({"--image-size", "camera0=640x480"}), 2, {"--image-size", "leave it out"});
   refuses(with({"--camera", "camera0=*.jpg"}), 2, {"--camera", "corners.json", "leave out"});
+  refuses(with({"--model", "nix=pinhole"}), 2, {"--model 'nix=pinhole'", "does not exist"});
   const nlohmann::json report = calibrate(place, with({"--target", "chessboard:9x7:40mm"}));  // says it once more
   EXPECT_TRUE(report.contains("cameras"));
 }
