@@ -129,7 +129,7 @@ void StereoReconstruction::reconstruct(const StereoMoment& moment, const StereoI
 void StereoReconstruction::finish() const {
   const std::size_t taken = names_.size();
   if (taken == 0) throw Error(ErrorKind::kNotEnoughData, "there was no pair of images to reconstruct from");
-  remove_former_frames(flags_.output, names_);
+  remove_former_stereo_frames(flags_.output, names_);
   write_results(flags_.output, {{page_file(), stereo_page(page_)}});
   if (!flags_.json) {
     fmt::print("\nwrote {}: rectified pair, disparity, depth, PLY and JSON for each of {} pairs\nlook  {}\n",

@@ -202,7 +202,11 @@ TEST_F(StructuredLightProgram, TakesTheFramesOfVideos) {
     return json_of(folder_ / "points" / (name + ".json"))["points"];
   };
   const nlohmann::json second = points_of({on, "--off", off}, "lit_000001");
+  EXPECT_TRUE(fs::exists(folder_ / "points/lit_000000.glb"));
   EXPECT_EQ(second, points_of({on_[0], on_[1], "--off", off_[0], off_[1]}, fs::path(on_[1]).stem().string()));
+  for (const char* ending : {".json", ".ply", ".glb", ".html"}) {  // they would be taken for more of the sequence
+    EXPECT_FALSE(fs::exists(folder_ / ("points/lit_000000" + std::string(ending)))) << "is of the former run";
+  }
   EXPECT_GT(second.size(), 5u);
   fs::remove_all(folder_ / "points");
   EXPECT_GT(points_of({"--watch", on, "--frames", "1"}, "lit_000000").size(), 5u);
