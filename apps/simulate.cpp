@@ -138,6 +138,7 @@ void run(const SimulateFlags& flags) {
   }
   const fs::path folder(flags.output);
   write_simulation(folder, simulation, command);
+  remove_former_images(folder, boarded.rig.cameras);
   if (flags.images) write_images(folder, boarded, simulation, flags.options, flags.threads);
   const ProblemLaser* laser = simulation.problem.laser ? &*simulation.problem.laser : nullptr;
   write_file_whole(folder / "dataset.toml", dataset_text(boarded, laser, command));
