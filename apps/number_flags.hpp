@@ -3,9 +3,12 @@
 #pragma once
 
 #include <CLI/App.hpp>
+#include <cstdint>
 #include <string>
 
 namespace raybundle::apps {
+
+inline constexpr std::uint64_t kMostSeed = 1'000'000'000'000;  ///< of what is simulated
 
 /// For CLI::Option::check(): what is wrong with a value that is no number above 0; empty when nothing is.
 std::string above_zero(const std::string& text);
