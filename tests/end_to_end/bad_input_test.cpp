@@ -9,6 +9,7 @@
 #include <random>
 
 #include "program.hpp"
+#include "raybundle/calibrate/calibrate.hpp"
 #include "raybundle/io/observations_file.hpp"
 #include "synthetic_world.hpp"
 #include "tables.hpp"
@@ -168,7 +169,16 @@ TEST_F(BadInput, TwoBoardsThatImagesDoNotTellApart) {
   };
   refuses_boards(chessboard("a", nine) + chessboard("b", eight), {"'a' from 'b'", "ChArUco"});
   refuses_boards(tags + tags + "first_tag = 35\n", {"'board' from 'board2'", "the same markers"});
-  refuses_boards(chessboard("a", nine) + chessboard("a", nine), {"dataset.toml:6", "two [[target]] are called 'a'"});
+  refuses_boards(chessboard("a", nine) + chessboard("a", nine), {"dataset.toml:7", "two [[target]] are called 'a'"});
+}
+
+// docs/formats/dataset.md names all options of [calibrate], with their defaults.
+TEST(DatasetDocs, NameEveryOptionOfCalibrate) {
+  const std::string docs = text_of(RAYBUNDLE_SOURCE_DIR "/docs/formats/dataset.md");
+  CalibrateOptions options;
+  CalibrateOptions::for_each_option(options, [&](const char* name, const char*, const char*, const auto& value) {
+    EXPECT_THAT(docs, HasSubstr(fmt::format("\n{} = {}", name, value)));
+  });
 }
 
 // NaN is within every range that is asked for by comparing.
