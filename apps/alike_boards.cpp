@@ -21,8 +21,7 @@ bool share_markers(const Charuco& a, const Charuco& b) {  // markers of each cou
 }
 
 bool share_markers(const AprilGrid& a, const AprilGrid& b) {
-  const bool apart =
-      a.first_tag + a.columns * a.rows <= b.first_tag || b.first_tag + b.columns * b.rows <= a.first_tag;
+  const bool apart = a.first_tag + a.columns * a.rows <= b.first_tag || b.first_tag + b.columns * b.rows <= a.first_tag;
   return a.family == b.family && a.border_bits == b.border_bits && !apart;
 }
 

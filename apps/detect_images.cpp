@@ -194,9 +194,14 @@ void require_views(const DetectedImages& images) {
                     often->first, often->second, images.files.size(), often->first));
   }
   if (views > 0) return;
+  if (images.files.empty()) {
+    throw Error(ErrorKind::kNotEnoughData, "the file of --observations holds no corner of the board");
+  }
   const auto unreadable = std::ranges::count_if(
       images.unused, [](const UnusedImage& image) { return !image.reason.starts_with(kNoBoard); });
-  std::string message = fmt::format("no board was found in any of {} images", images.files.size());
+  const std::size_t looked_at = images.unused.size();  // frames of videos, too
+  std::string message = looked_at == 1 ? "no board was found in the image"
+                                       : fmt::format("no board was found in any of {} images", looked_at);
   if (unreadable > 0) {
     const auto first = std::ranges::find_if(
         images.unused, [](const UnusedImage& image) { return !image.reason.starts_with(kNoBoard); });

@@ -27,7 +27,10 @@ void remove_former_frames(const fs::path& folder, const PointsFormat& format, st
   for (const std::string& name : former) {
     for (const char* ending : endings) fs::remove(folder / (name + ending));
   }
-  if (!former.empty()) say(fmt::format("removed {} frames of a former run from {}", former.size(), folder.string()));
+  if (!former.empty()) {
+    say(fmt::format("removed {} frame{} of a former run from {}", former.size(), former.size() == 1 ? "" : "s",
+                    folder.string()));
+  }
 }
 
 }  // namespace raybundle::apps

@@ -16,8 +16,8 @@ std::string above_zero(const std::string& text);
 /// For CLI::Option::check(): what is wrong with a value that is no number, or not a finite one; empty when nothing is.
 std::string finite_number(const std::string& text);
 
-/// Lets no flag of any verb that takes real numbers accept NaN or infinity, which pass CLI::Range. Flags whose value has
-/// a type_name() of its own check for themselves.
+/// Lets no flag of any verb that takes real numbers accept NaN or infinity, which pass CLI::Range. Flags whose value
+/// has a type_name() of its own check for themselves.
 void refuse_endless_numbers(CLI::App& app);
 
 }  // namespace raybundle::apps

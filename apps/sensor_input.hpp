@@ -16,8 +16,8 @@ struct SensorFlags {
   std::string camera;  ///< empty: the first one
   double nearest_m = SensorRange{}.nearest_m;
   double farthest_m = SensorRange{}.farthest_m;
-  std::optional<double> tolerance_px;  ///< the calibration's advice unless said, else that of SensorRange
-  std::vector<CLI::Option*> options = {};   ///< by which the last three are said
+  std::optional<double> tolerance_px;      ///< the calibration's advice unless said, else that of SensorRange
+  std::vector<CLI::Option*> options = {};  ///< by which the last three are said
 };
 
 /// --nearest, --farthest, --tolerance.

@@ -26,8 +26,8 @@ std::string simulated_image(const std::string& camera, int frame, bool laser);
 /// @throws Error(kIo)
 void remove_former_images(const std::filesystem::path& folder, const std::vector<SimulatedCamera>& cameras);
 
-/// Renders and writes the images of all cameras and frames, whether they show the board or not. 10 and 12 bits are stretched to the 16 of a PNG. The number of threads does not
-/// change a bit.
+/// Renders and writes the images of all cameras and frames, whether they show the board or not. 10 and 12 bits are
+/// stretched to the 16 of a PNG. The number of threads does not change a bit.
 ///
 /// @throws Error(kBadInput) when the board has no print, or a camera a name that is none for a folder; Error(kIo)
 void write_images(const std::filesystem::path& folder, const BoardedRig& boarded, const Simulation& simulation,

@@ -89,8 +89,7 @@ std::string rectification_text(const Rectification& pair) {
 
 void declare_stereo_flags(CLI::App& verb, StereoFlags& flags) {
   declare_rectify_flags(verb, flags.rectify);
-  verb.add_option("--near", flags.near_m, "nearest distance [m]; four baselines unless said")
-      ->check(above_zero);
+  verb.add_option("--near", flags.near_m, "nearest distance [m]; four baselines unless said")->check(above_zero);
   verb.add_option("--disparities", flags.disparities, "how many to search instead [px]")
       ->check(CLI::Range(1, kMostDisparities));
   verb.add_option("--least-disparity", flags.least_disparity, "where to begin [px]; matches lie beyond it")

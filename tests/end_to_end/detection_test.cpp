@@ -108,8 +108,12 @@ TEST(DetectsTwoBoards, InOneImage) {
 TEST(Detects, AndAsksForAModelOnlyWhereTheFileHoldsNone) {
   RAYBUNDLE_NEEDS_DATA("opencv_stereo_chess");
   const std::filesystem::path place = fresh_folder();
-  std::vector<std::string> arguments{"detect", "--target", "chessboard:9x6:25mm", "--camera",
-                                     "c=" + (real_data("opencv_stereo_chess") / "left0[1-3].jpg").string(), "-o",
+  std::vector<std::string> arguments{"detect",
+                                     "--target",
+                                     "chessboard:9x6:25mm",
+                                     "--camera",
+                                     "c=" + (real_data("opencv_stereo_chess") / "left0[1-3].jpg").string(),
+                                     "-o",
                                      (place / "o.json").string()};
   EXPECT_THAT(raybundle_program(arguments).out, HasSubstr("--model MODEL"));
   arguments.insert(arguments.end(), {"--model", "brown_conrady"});

@@ -153,8 +153,9 @@ TEST_F(StructuredLightProgram, TurnsImagesIntoPointsByCalibrationAndByTable) {
       raybundle_program({"export", truth_, "--runtime", "structured-light", "-o", table, "--json"});
   ASSERT_EQ(exported.exit_code, 0) << exported.err;
   EXPECT_LT(nlohmann::json::parse(exported.out)["ray_error_rad"], 1e-5);
-  EXPECT_EQ(raybundle_program({"export", truth_, "--runtime", "structured-light", "-o", table, "--width", "99"}).exit_code,
-            2);  // which is of --rectification
+  EXPECT_EQ(
+      raybundle_program({"export", truth_, "--runtime", "structured-light", "-o", table, "--width", "99"}).exit_code,
+      2);  // which is of --rectification
   const ProgramRun ranged = reconstruct({table, on_[0], "--off", off_[0], "--nearest", "0.3"});
   EXPECT_EQ(ranged.exit_code, 2);
   EXPECT_NE(ranged.err.find("leave out --nearest"), std::string::npos) << ranged.err;

@@ -130,8 +130,8 @@ std::string refusal(const std::vector<Landmark>& surveyed, const std::vector<Sig
 // Stars from all sides cannot stand in one image: a pose would see none of them where it was clicked.
 TEST(Survey, SightingsThatAllDisagreeOrLieOutsideOfTheImageAreRefused) {
   const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY(), z = Eigen::Vector3d::UnitZ();
-  const std::vector<Landmark> stars{{"a", x, true, 0}, {"b", -x, true, 0}, {"c", y, true, 0}, {"d", -y, true, 0},
-                                    {"e", z, true, 0}};
+  const std::vector<Landmark> stars{
+      {"a", x, true, 0}, {"b", -x, true, 0}, {"c", y, true, 0}, {"d", -y, true, 0}, {"e", z, true, 0}};
   std::vector<Sighting> seen{{"a.png", "a", {900, 600}},
                              {"a.png", "b", {1000, 600}},
                              {"a.png", "c", {960, 550}},

@@ -141,7 +141,8 @@ TEST(CalibrationFile, ASelfTestThatWasTakenOutIsMissed) {
 }
 
 TEST(CalibrationFile, AKeyStandsOnce) {
-  const std::string text = replaced(text_from_calibration(full_calibration()), "\"cx\": 639.5", "\"cx\": 1, \"cx\": 639.5");
+  const std::string text =
+      replaced(text_from_calibration(full_calibration()), "\"cx\": 639.5", "\"cx\": 1, \"cx\": 639.5");
   EXPECT_THAT(read_message(text), HasSubstr("the key 'cx' stands twice"));
 }
 

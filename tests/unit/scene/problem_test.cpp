@@ -54,6 +54,15 @@ TEST(ProblemCheck, NamesTheViewThatIsWrong) {
   }
 }
 
+TEST(ProblemCheck, TellsSharesOfTheImageFromPixels) {
+  const auto divide = [](CalibrationProblem& problem) {
+    for (TargetView& view : problem.views) {
+      for (Observation& observation : view.observations) observation.pixel /= 1e4;
+    }
+  };
+  EXPECT_THAT(message_after(divide), ::testing::HasSubstr("give u and v in pixels"));
+}
+
 TEST(ProblemCheck, NamesTheCameraRuleOrTargetThatIsWrong) {
   using ::testing::HasSubstr;
   EXPECT_THAT(message_after([](auto& p) { p.cameras.clear(); }), HasSubstr("no camera"));
