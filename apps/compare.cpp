@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "comparison_text.hpp"
+#include "number_flags.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
 #include "verbs.hpp"
@@ -104,12 +105,11 @@ void add_compare_verb(CLI::App& app) {
   verb->add_option("--columns", flags->columns, "cells of the difference map along the image's width")
       ->check(CLI::Range(4, 400))
       ->capture_default_str();
-  verb->add_option("--max-px", flags->max_px, "gate: no projection may differ by more [px]")
-      ->check(CLI::PositiveNumber);
+  verb->add_option("--max-px", flags->max_px, "gate: no projection may differ by more [px]")->check(above_zero);
   verb->add_option(
           "--max-sigmas", flags->max_sigmas,
           "gate: 90 % of the image within so many summed sigmas, every extrinsic and beam within so many sigmas")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero);
   verb->add_flag("--json", flags->json, "print the result as JSON, with the maps");
   verb->footer(
       "The rotation, and at finite ranges the translation, that no image tells from the rig's own place are taken "

@@ -101,7 +101,7 @@ std::string comparison_text(const CalibrationComparison& comparison) {
   if (!extrinsics.empty()) text += "extrinsics: " + extrinsics;
   const std::string beams = sigmas_text(comparison.beams, " m");
   if (!beams.empty()) text += "beams: " + beams;
-  for (const std::string& remark : comparison.remarks) text += "not compared: " + remark + "\n";
+  for (const std::string& remark : comparison.remarks) text += "note: " + remark + "\n";
   return text;
 }
 

@@ -213,7 +213,11 @@ Dataset dataset_from_text(const std::string& text, const std::string& path) {
   dataset.folder = std::filesystem::path(path).parent_path().string();
   TableReader reader(root, "the file", path);
   for (const toml::table* table : tables(reader, "target")) {
-    dataset.boards.push_back(board_from(*table, path, dataset.boards.size()));
+    const DatasetBoard board = board_from(*table, path, dataset.boards.size());
+    if (std::ranges::find(dataset.boards, board.name, &DatasetBoard::name) != dataset.boards.end()) {
+      reader.fail(table, fmt::format("two [[target]] are called '{}'; rename one", board.name));
+    }
+    dataset.boards.push_back(board);
   }
   for (const toml::table* table : tables(reader, "camera")) dataset.cameras.push_back(camera_from(*table, path));
   const std::vector<const toml::table*> lasers = tables(reader, "laser");

@@ -50,8 +50,11 @@ void run(const DetectFlags& flags) {
   }
   if (images.unused.size() > kMostLines) say(fmt::format("and {} more", images.unused.size() - kMostLines));
   fmt::print("{}", found_table(images));
-  fmt::print("\nwrote {0} ({1:.2f} s)\nnext  raybundle calibrate --observations {0} --model MODEL\n", flags.output,
-             images.seconds);
+  const auto& models = images.observations.models;
+  const bool modelled =
+      std::ranges::all_of(models, [](const std::optional<ModelId>& model) { return model.has_value(); });
+  fmt::print("\nwrote {0} ({1:.2f} s)\nnext  raybundle calibrate --observations {0}{2}\n", flags.output, images.seconds,
+             modelled ? "" : " --model MODEL");
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <map>
 #include <set>
 
+#include "alike_boards.hpp"
 #include "detection_cache.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/hash.hpp"
@@ -115,6 +116,7 @@ constexpr std::size_t kFewestCorners = 4;
 
 DetectedImages detect_images(const Dataset& dataset, const DetectOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
+  refuse_alike_boards(dataset.boards);
   DetectedImages images;
   for (int c = 0; c < static_cast<int>(dataset.cameras.size()); ++c) {
     const std::vector<ImageFile> files = image_files(c, dataset.folder, dataset.cameras[c].images);
@@ -192,9 +194,14 @@ void require_views(const DetectedImages& images) {
                     often->first, often->second, images.files.size(), often->first));
   }
   if (views > 0) return;
+  if (images.files.empty()) {
+    throw Error(ErrorKind::kNotEnoughData, "the file of --observations holds no corner of the board");
+  }
   const auto unreadable = std::ranges::count_if(
       images.unused, [](const UnusedImage& image) { return !image.reason.starts_with(kNoBoard); });
-  std::string message = fmt::format("no board was found in any of {} images", images.files.size());
+  const std::size_t looked_at = images.unused.size();  // frames of videos, too
+  std::string message = looked_at == 1 ? "no board was found in the image"
+                                       : fmt::format("no board was found in any of {} images", looked_at);
   if (unreadable > 0) {
     const auto first = std::ranges::find_if(
         images.unused, [](const UnusedImage& image) { return !image.reason.starts_with(kNoBoard); });

@@ -32,8 +32,8 @@ struct DetectOptions {
 /// Finds the boards of a data set in all of its images, on several threads, with progress; results are cached by the
 /// content of the image and the board.
 ///
-/// @throws Error(kBadInput) when a camera has images of different sizes and none that most of them have, or an image of
-///   two cameras
+/// @throws Error(kBadInput) when a camera has images of different sizes and none that most of them have, for an image
+///   of two cameras, and for boards that images do not tell apart
 DetectedImages detect_images(const Dataset& dataset, const DetectOptions& options);
 
 /// Refuses images without any board, and images of which as many show another size of board as the one asked for, or

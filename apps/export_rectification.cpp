@@ -104,9 +104,11 @@ bool write(const ExportRequest& request, const Flags& flags) {
 
 Export add_rectification_export(CLI::App& verb) {
   auto flags = std::make_shared<Flags>();
-  verb.add_option("--rectification", flags->folder, "folder for the maps and matrices of a rectified pair, for OpenCV")
-      ->type_name("DIR");
+  CLI::Option* folder = verb.add_option("--rectification", flags->folder,
+                                        "folder for the maps and matrices of a rectified pair, for OpenCV")
+                            ->type_name("DIR");
   declare_rectify_flags(verb, flags->rectify);
+  for (CLI::Option* option : flags->rectify.options) option->needs(folder);
   return [flags](const ExportRequest& request) { return write(request, *flags); };
 }
 

@@ -72,8 +72,11 @@ bool run(const TableFlags& flags, const ExportRequest& request) {
 
 Export add_table_export(CLI::App& verb) {
   auto flags = std::make_shared<TableFlags>();
-  verb.add_option("--runtime", flags->runtime, "table for a device")->check(CLI::IsMember({"structured-light"}));
+  CLI::Option* runtime =
+      verb.add_option("--runtime", flags->runtime, "table for a device")->check(CLI::IsMember({"structured-light"}));
   declare_sensor_flags(verb, flags->sensor);
+  for (CLI::Option* option : flags->sensor.options) option->needs(runtime);
+  for (const char* name : {"--output", "--camera"}) verb.get_option(name)->needs(runtime);
   return [flags](const ExportRequest& request) { return run(*flags, request); };
 }
 

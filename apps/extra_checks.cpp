@@ -46,7 +46,7 @@ Json json_from_opinion(const SecondOpinion& opinion) {
 }
 
 std::string text_of(const SecondOpinion& opinion) {
-  if (!opinion.comparison) return "there is none: " + opinion.why_not;
+  if (!opinion.comparison) return fmt::format("none by {}: {}", opinion.source, opinion.why_not);
   std::string text = fmt::format("{}, rms {:.3f} px", opinion.source, opinion.rms_px);
   for (const ProjectionDifference& d : opinion.comparison->projections) {
     text += fmt::format("{} {} projects {:.4f} px apart rms, {:.4f} px at most",

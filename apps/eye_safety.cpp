@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "eye_safety_limits.hpp"
+#include "number_flags.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
 #include "verbs.hpp"
@@ -137,6 +138,7 @@ void add_eye_safety_verb(CLI::App& app) {
       ->type_name("CALIBRATION");
   verb->add_option("--power", flags->power_mW,
                    "of the laser during the pulse, to be judged: exit code 1 when above [mW]")
+      ->check(above_zero)
       ->type_name("MW");
   verb->add_flag("--json", flags->json, "print the result as JSON");
   verb->footer(

@@ -215,6 +215,14 @@ std::vector<ImageFile> images_in_folder(int camera, const std::string& folder) {
   return files_of_camera(camera, paths);
 }
 
+void warn_of_other_moment(const std::string& a, const std::string& b) {
+  if (!numbered_apart(a, b)) return;
+  say_warning(
+      fmt::format("{} and {} are taken for one moment, as they were named together, but their numbers differ; "
+                  "are they a pair?",
+                  a, b));
+}
+
 void refuse_shared_images(const std::vector<ImageFile>& files, const std::vector<std::string>& cameras) {
   std::map<std::string, int> camera_of;
   for (const ImageFile& file : files) {

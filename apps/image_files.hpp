@@ -40,6 +40,9 @@ std::vector<ImageFile> images_in_folder(int camera, const std::string& folder);
 /// @throws Error(kBadInput) naming an image that two cameras have
 void refuse_shared_images(const std::vector<ImageFile>& files, const std::vector<std::string>& cameras);
 
+/// Warns of two images, named as a pair, whose numbers say that they are of different moments.
+void warn_of_other_moment(const std::string& a, const std::string& b);
+
 /// An 8- or 16-bit grey image; empty, with the reason set, when the file is truncated or no image.
 cv::Mat read_gray(const std::string& path, std::string& reason);
 

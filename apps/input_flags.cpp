@@ -65,6 +65,17 @@ bool is_json(const std::string& path) { return path.ends_with(".json"); }
 
 bool is_vnl(const std::string& path) { return path.ends_with(".vnl"); }
 
+// NAME=VALUE of a camera that there is not would have no effect.
+void require_named_cameras(const std::string& flag, const std::vector<std::string>& values,
+                           const std::vector<ProblemCamera>& cameras) {
+  for (const std::string& value : values) {
+    const std::size_t equals = value.find('=');
+    if (equals == std::string::npos) continue;
+    if (std::ranges::find(cameras, value.substr(0, equals), &ProblemCamera::name) != cameras.end()) continue;
+    refuse(fmt::format("{} '{}' names a camera that does not exist", flag, value));
+  }
+}
+
 // A flag without effect would be believed to have had one.
 void refuse_idle_flags(const InputFlags& flags) {
   const bool is_table = !flags.observations.empty() && !is_json(flags.observations);
@@ -224,6 +235,8 @@ DetectedImages observe(const InputFlags& flags, const Dataset& dataset) {
   } else {
     file.problem = read_observations_csv(flags.observations, named_target(dataset.boards.front()), sizes_of(flags));
   }
+  require_named_cameras("--model", flags.models, file.problem.cameras);
+  require_named_cameras("--image-size", flags.sizes, file.problem.cameras);
   if (!flags.anchor.empty()) set_anchor(anchor_from_flag(flags.anchor), file.problem);
   file.models.resize(file.problem.cameras.size());
   for (std::size_t c = 0; c < file.problem.cameras.size(); ++c) {

@@ -92,6 +92,7 @@ std::vector<LaserShot> laser_shots(const std::vector<std::string>& on, const std
     require_none(no_off, "off");
     require_none(no_on, "on");
   }
+  if (on.size() == 1 && off.size() == 1) warn_of_other_moment(on[0], off[0]);
   const std::vector<std::string> frames = frame_names(on);
   for (std::size_t i = 0; i < on.size(); ++i) shots[i].off = named_alike ? without.at(frames[i]) : off[i];
   return shots;

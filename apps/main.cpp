@@ -17,6 +17,7 @@
 #include <new>
 #include <system_error>
 
+#include "number_flags.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "terminal.hpp"
 #include "usage_error.hpp"
@@ -114,6 +115,7 @@ int main(int argc, char** argv) {
       "Exit codes: 0 done, 1 a quality gate failed, 2 wrong usage, 3 not enough usable data, 4 the solve failed, "
       "5 reading or writing failed");
   for (auto add_verb : raybundle::apps::kVerbs) add_verb(app);
+  raybundle::apps::refuse_endless_numbers(app);
 
   try {
     app.parse(argc, argv);

@@ -125,7 +125,8 @@ void add_learn(CLI::App& verb) {
   learn
       ->add_option(
           "--scenes", flags->scenes,
-          fmt::format("simulated by the training generator; {} of the laser or {} of stereo unless said",
+          fmt::format("simulated by the training generator; {} of the laser or {} of stereo unless said; a quarter "
+                      "votes, among which each class needs more than --neighbours",
                       learning_of(SensorKind::kStructuredLight).scenes, learning_of(SensorKind::kStereo).scenes))
       ->check(CLI::Range(100, kMostScenes));
   learn->add_option("--seed", flags->learning.seed, "of the first scene")

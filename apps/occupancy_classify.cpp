@@ -27,6 +27,7 @@
 #include "stereo_page.hpp"
 #include "stereo_scan.hpp"
 #include "terminal.hpp"
+#include "verbs.hpp"
 
 namespace raybundle::apps {
 namespace {
@@ -64,11 +65,13 @@ class Answers {
   /// @return      the frame's entry
   const Json& add(const std::string& file, const Occupancy& answer, const Json& more = Json::object()) {
     rows_.push_back(row_of_answer(file, answer, base_));
+    any_ |= answer.state != State::kInvalid;
     Json json = json_of_answer(file, answer, base_);
     json.update(more);
     return frames_.emplace_back(std::move(json));
   }
 
+  bool any() const { return any_; }  ///< a frame that is not INVALID
   std::string text() const { return text_table(rows_); }
   std::string json() const { return text_of_json(Json{{"frames", frames_}}, 2) + "\n"; }
 
@@ -76,6 +79,7 @@ class Answers {
   const CaseBase& base_;
   std::vector<std::vector<std::string>> rows_;
   Json frames_ = Json::array();
+  bool any_ = false;
 };
 
 // Each returns the page, or nothing without --page.
@@ -174,6 +178,7 @@ void run(const Flags& flags) {
   const std::string page = (stereo ? classify_stereo : classify_laser)(flags, files, base, answers);
   if (!flags.page.empty()) write_file_whole(flags.page, page);
   fmt::print("{}", flags.json ? answers.json() : answers.text());
+  if (!answers.any()) throw GateFailed{};
 }
 
 }  // namespace
@@ -190,6 +195,7 @@ void add_occupancy_classify(CLI::App& occupancy) {
   verb->add_option("--page", flags->page, "an HTML page of the frames to write")->type_name("FILE");
   verb->add_flag("--json", flags->json, "print the result as JSON");
   verb->footer(
+      "Exit code 1 when every frame is INVALID: nothing was answered.\n"
       "Example, of a pair of cameras:\n"
       "  raybundle reconstruct stereo calibration.json 'left*.png' 'right*.png' --near 0.25 -o points\n"
       "  raybundle occupancy classify seats.rbcases points --vehicle vehicle.toml --page seats.html");

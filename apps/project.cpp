@@ -46,6 +46,17 @@ std::array<double, count> numbers_in(const std::string& line, int number) {
   return values;
 }
 
+// Numbers separated by commas; all nan, without a sign, where there is no answer.
+template <typename Vector>
+std::string line_of(const std::optional<Vector>& values) {
+  const bool known = values && values->allFinite();
+  std::string line;
+  for (Eigen::Index i = 0; i < Vector::RowsAtCompileTime; ++i) {
+    line += (line.empty() ? "" : ",") + (known ? fmt::format("{}", (*values)[i]) : std::string("nan"));
+  }
+  return line;
+}
+
 // Answers each line of stdin with a line on stdout; nan where there is no answer.
 template <std::size_t in, typename Answer>
 void answer_lines(const ProjectFlags& flags, Answer&& answer) {
@@ -74,8 +85,7 @@ void add_project_verb(CLI::App& app) {
       "Example:\n  echo 0,0,1 | raybundle project out/calibration.json --camera left");
   verb->callback([flags] {
     answer_lines<3>(*flags, [](const Camera& camera, const std::array<double, 3>& ray) {
-      const auto pixel = pixel_from_ray(camera, Eigen::Vector3d(ray.data()));
-      return pixel ? fmt::format("{},{}", pixel->x(), pixel->y()) : std::string("nan,nan");
+      return line_of(pixel_from_ray(camera, Eigen::Vector3d(ray.data())));
     });
   });
 }
@@ -89,8 +99,7 @@ void add_unproject_verb(CLI::App& app) {
       "Example:\n  echo 320,240 | raybundle unproject out/calibration.json --camera left");
   verb->callback([flags] {
     answer_lines<2>(*flags, [](const Camera& camera, const std::array<double, 2>& pixel) {
-      const auto ray = ray_from_pixel(camera, Eigen::Vector2d(pixel.data()));
-      return ray ? fmt::format("{},{},{}", ray->x(), ray->y(), ray->z()) : std::string("nan,nan,nan");
+      return line_of(ray_from_pixel(camera, Eigen::Vector2d(pixel.data())));
     });
   });
 }

@@ -4,12 +4,12 @@
 
 #include <CLI/App.hpp>
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <map>
 #include <memory>
 
 #include "image_files.hpp"
+#include "number_flags.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "reconstruct.hpp"
 #include "stereo_reconstruction.hpp"
@@ -53,10 +53,17 @@ std::map<std::string, std::string> paths_by_frame(const std::vector<ImageFile>& 
   return paths;
 }
 
+void warn_of_lonely(const std::vector<ImageFile>& files, std::size_t paired, const char* side, const char* other) {
+  if (paired == files.size()) return;
+  say_warning(fmt::format("{} of {} {} images have no {} one of the same number", files.size() - paired, files.size(),
+                          side, other));
+}
+
 // Images with the same frame name belong together; single images always do.
 std::vector<StereoMoment> moments_of(const std::vector<ImageFile>& left, const std::vector<ImageFile>& right,
                                      const std::vector<ImageFile>& lit) {
   if (left.size() == 1 && right.size() == 1) {
+    warn_of_other_moment(left[0].path, right[0].path);
     return {{fs::path(left[0].path).stem().string(), left[0].path, right[0].path,
              lit.size() == 1 ? lit[0].path : std::string()}};
   }
@@ -67,10 +74,8 @@ std::vector<StereoMoment> moments_of(const std::vector<ImageFile>& left, const s
     if (found == right_of.end()) continue;
     moments.push_back({file.frame, file.path, found->second, laser == lit_of.end() ? "" : laser->second});
   }
-  if (moments.size() < left.size()) {
-    say_warning(fmt::format("{} of {} left images have no right one of the same number", left.size() - moments.size(),
-                            left.size()));
-  }
+  warn_of_lonely(left, moments.size(), "left", "right");
+  warn_of_lonely(right, moments.size(), "right", "left");
   return moments;
 }
 
@@ -113,13 +118,6 @@ void run(const Flags& flags) {
     for (const StereoMoment& moment : moments) reconstruction.take(moment, moments.size() == 1);
   }
   reconstruction.finish();
-}
-
-// As CLI::PositiveNumber, which tells the largest of all numbers in full.
-std::string above_zero(const std::string& text) {
-  double value = 0.0;
-  const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0.0;
-  return good ? "" : fmt::format("'{}' is no number above 0", text);
 }
 
 }  // namespace

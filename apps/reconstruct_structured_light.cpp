@@ -9,6 +9,7 @@
 #include <set>
 
 #include "folder_watch.hpp"
+#include "former_frames.hpp"
 #include "image_files.hpp"
 #include "laser_frame_files.hpp"
 #include "laser_images.hpp"
@@ -25,6 +26,8 @@ namespace raybundle::apps {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kEndings[] = {".json", ".ply", ".glb", ".html"};
 
 struct Flags {
   std::string sensor;
@@ -69,6 +72,7 @@ class Reconstruction {
 
   void finish() const {
     if (names_.empty()) say("no image came");
+    if (!names_.empty()) remove_former_frames(flags_.output, kLaserPoints, kEndings, names_);
     if (!flags_.json && !names_.empty()) {
       fmt::print("\nwrote {}: points in JSON, PLY and GLB, and a page, for each image\n", flags_.output);
     }
@@ -87,10 +91,11 @@ class Reconstruction {
     const LaserFrame& frame = sensor_.process(view_of(images.on), view_of(images.off));
     const LaserFrameFiles files = laser_frame_files(frame, table_, path, images.on);
     const fs::path folder(flags_.output);
-    write_results(folder, {{folder / (name + ".json"), files.json},
-                           {folder / (name + ".ply"), files.ply},
-                           {folder / (name + ".glb"), files.glb},
-                           {folder / (name + ".html"), files.html}});
+    const std::string_view bytes[] = {files.json, files.ply, files.glb, files.html};
+    static_assert(std::size(bytes) == std::size(kEndings));
+    std::vector<WholeFile> named;
+    for (std::size_t i = 0; i < std::size(kEndings); ++i) named.push_back({folder / (name + kEndings[i]), bytes[i]});
+    write_results(folder, named);
     flags_.json ? static_cast<void>(fmt::print("{}\n", files.json)) : print_row(name, frame);
     names_.insert(name);
     state_ = frame.state;

@@ -12,15 +12,16 @@
 namespace raybundle::apps {
 
 void declare_sensor_flags(CLI::App& verb, SensorFlags& flags) {
-  verb.add_option("--nearest", flags.nearest_m, "least depth of a dot [m]")
-      ->check(CLI::Range(0.01, 1000.0))
-      ->capture_default_str();
-  verb.add_option("--farthest", flags.farthest_m, "greatest depth of a dot [m]")
-      ->check(CLI::Range(0.01, 1000.0))
-      ->capture_default_str();
-  verb.add_option("--tolerance", flags.tolerance_px,
-                  "of a dot from its beam's curve [px]; what the calibration advises unless said, else 1")
-      ->check(CLI::Range(0.05, 20.0));
+  flags.options = {
+      verb.add_option("--nearest", flags.nearest_m, "least depth of a dot [m]")
+          ->check(CLI::Range(0.01, 1000.0))
+          ->capture_default_str(),
+      verb.add_option("--farthest", flags.farthest_m, "greatest depth of a dot [m]")
+          ->check(CLI::Range(0.01, 1000.0))
+          ->capture_default_str(),
+      verb.add_option("--tolerance", flags.tolerance_px,
+                      "of a dot from its beam's curve [px]; what the calibration advises unless said, else 1")
+          ->check(CLI::Range(0.05, 20.0))};
 }
 
 SensorTable table_from_calibration(const std::string& path, const SensorFlags& flags) {
@@ -34,7 +35,15 @@ SensorTable table_from_calibration(const std::string& path, const SensorFlags& f
 }
 
 SensorTable sensor_of(const std::string& path, const SensorFlags& flags) {
-  return is_table(text_of_file(path)) ? read_table(path) : table_from_calibration(path, flags);
+  if (!is_table(text_of_file(path))) return table_from_calibration(path, flags);
+  for (const CLI::Option* option : flags.options) {
+    if (option->count() == 0) continue;
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("the table holds its range and tolerance itself; leave out {}, or export the table with it",
+                            option->get_name()),
+                path);
+  }
+  return read_table(path);
 }
 
 }  // namespace raybundle::apps

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "dataset.hpp"
+#include "number_flags.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/scene/atomic_file.hpp"
 #include "simulated_files.hpp"
@@ -138,6 +139,7 @@ void run(const SimulateFlags& flags) {
   }
   const fs::path folder(flags.output);
   write_simulation(folder, simulation, command);
+  remove_former_images(folder, boarded.rig.cameras);
   if (flags.images) write_images(folder, boarded, simulation, flags.options, flags.threads);
   const ProblemLaser* laser = simulation.problem.laser ? &*simulation.problem.laser : nullptr;
   write_file_whole(folder / "dataset.toml", dataset_text(boarded, laser, command));
@@ -155,7 +157,9 @@ void add_simulate_verb(CLI::App& app) {
   verb->add_option("--frames", options.frames, "poses of the board")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  verb->add_option("--seed", options.seed, "same seed, same bits")->capture_default_str();
+  verb->add_option("--seed", options.seed, "same seed, same bits")
+      ->check(CLI::Range(std::uint64_t{0}, kMostSeed))
+      ->capture_default_str();
   verb->add_option("--beams", flags->beams, "another grid of laser beams in the same field, as 19x16")
       ->type_name("COLUMNSxROWS");
   verb->add_option("--turn", flags->turn_deg, "of the grid of beams against the baseline [deg]");

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "cockpit_files.hpp"
+#include "number_flags.hpp"
 #include "output_folder.hpp"
 #include "pose_json.hpp"
 #include "raybundle/cockpit/cabin_renderer.hpp"
@@ -27,7 +28,6 @@ using nlohmann::ordered_json;
 
 constexpr int kMostScenes = 100000, kMostFrames = 1000;
 constexpr double kFrame_s = 0.1;  // from a frame to the next
-constexpr std::uint64_t kMostSeed = 1'000'000'000'000;
 
 struct SimulateCockpitFlags {
   std::string output, generator = "training", sensor = "structured-light", wanted;

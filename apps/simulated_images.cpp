@@ -48,21 +48,17 @@ bool is_simulated_image(const fs::path& path) {
   return digits > 0 && (name.substr(digits) == "_on.png" || name.substr(digits) == "_off.png");
 }
 
-void prepare_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  std::vector<fs::path> old;
-  if (!error) {
-    for (const auto& entry : fs::directory_iterator(folder, error)) {
-      if (is_simulated_image(entry.path())) old.push_back(entry.path());
-    }
-  }
-  for (const fs::path& path : old) {
-    if (!error) fs::remove(path, error);
-  }
-  if (!error) return;
+fs::path folder_of(const fs::path& folder, const SimulatedCamera& camera) {
+  return (folder / simulated_image(camera.name, 0, false)).parent_path();
+}
+
+[[noreturn]] void refuse_folder(const fs::path& folder, const std::error_code& error) {
   throw Error(ErrorKind::kIo, fmt::format("the folder {} for images cannot be prepared: {}; choose another with -o",
                                           folder.string(), error.message()));
+}
+
+bool names_a_folder(const SimulatedCamera& camera) {
+  return camera.name.find_first_of("/\\*?[") == std::string::npos && camera.name != "." && camera.name != "..";
 }
 
 void check(const BoardedRig& boarded) {
@@ -70,7 +66,7 @@ void check(const BoardedRig& boarded) {
     throw Error(ErrorKind::kBadInput, "a board of kind \"points\" has no print to render; add --no-images");
   }
   for (const SimulatedCamera& camera : boarded.rig.cameras) {
-    if (camera.name.find_first_of("/\\*?[") == std::string::npos && camera.name != "." && camera.name != "..") continue;
+    if (names_a_folder(camera)) continue;
     throw Error(ErrorKind::kBadInput,
                 fmt::format("camera '{}' cannot name a folder of images; rename it, or add --no-images", camera.name));
   }
@@ -86,12 +82,33 @@ std::string simulated_image(const std::string& camera, int frame, bool laser) {
   return simulated_image(camera, fmt::format("{:03}", frame), laser);
 }
 
+void remove_former_images(const fs::path& folder, const std::vector<SimulatedCamera>& cameras) {
+  std::vector<fs::path> former;
+  for (const SimulatedCamera& camera : cameras) {
+    const fs::path images = folder_of(folder, camera);
+    std::error_code error;
+    if (!names_a_folder(camera) || !fs::is_directory(images, error)) continue;
+    for (const auto& entry : fs::directory_iterator(images, error)) {
+      if (is_simulated_image(entry.path())) former.push_back(entry.path());
+    }
+    if (error) refuse_folder(images, error);
+  }
+  for (const fs::path& path : former) {
+    std::error_code error;
+    fs::remove(path, error);
+    if (error) refuse_folder(path.parent_path(), error);
+  }
+  if (!former.empty()) say(fmt::format("removed {} images of a former run from {}", former.size(), folder.string()));
+}
+
 void write_images(const fs::path& folder, const BoardedRig& boarded, const Simulation& simulation,
                   const SimulateOptions& options, int threads) {
   check(boarded);
   const std::vector<SimulatedCamera>& cameras = boarded.rig.cameras;
   for (const SimulatedCamera& camera : cameras) {
-    prepare_folder((folder / simulated_image(camera.name, 0, false)).parent_path());
+    std::error_code error;
+    fs::create_directories(folder_of(folder, camera), error);
+    if (error) refuse_folder(folder_of(folder, camera), error);
   }
   const ViewRenderer renderer(boarded.rig, options.warmer_K);
   const std::size_t count = simulation.poses.size() * cameras.size();

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "raybundle/synthetic/simulate.hpp"
 #include "simulated_board.hpp"
@@ -19,9 +20,14 @@ std::string simulated_image(const std::string& camera, const std::string& frame,
 /// The same for a frame's number, with leading zeros.
 std::string simulated_image(const std::string& camera, int frame, bool laser);
 
-/// Renders and writes the images of all cameras and frames, whether they show the board or not; those that an earlier
-/// run left in the folders are removed. 10 and 12 bits are stretched to the 16 of a PNG. The number of threads does not
-/// change a bit.
+/// Removes the images of these cameras that a former run left, and says so: they would be taken for those of this one.
+///
+/// @param folder  of the data set
+/// @throws Error(kIo)
+void remove_former_images(const std::filesystem::path& folder, const std::vector<SimulatedCamera>& cameras);
+
+/// Renders and writes the images of all cameras and frames, whether they show the board or not. 10 and 12 bits are
+/// stretched to the 16 of a PNG. The number of threads does not change a bit.
 ///
 /// @throws Error(kBadInput) when the board has no print, or a camera a name that is none for a folder; Error(kIo)
 void write_images(const std::filesystem::path& folder, const BoardedRig& boarded, const Simulation& simulation,

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "number_flags.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/quantile.hpp"
 #include "raybundle/io/calibration_file.hpp"
@@ -32,16 +33,19 @@ std::vector<std::string> cost_names() {
 }  // namespace
 
 void declare_rectify_flags(CLI::App& verb, RectifyFlags& flags) {
-  verb.add_option("--left", flags.left, "name of the left camera; the first one unless said")->type_name("NAME");
-  verb.add_option("--right", flags.right, "name of the right camera; the second one unless said")->type_name("NAME");
-  verb.add_option("--projection", flags.projection, "pinhole or equirectangular; the advised one unless said")
-      ->check(CLI::IsMember({"pinhole", "equirectangular"}));
-  verb.add_option("--width", flags.width_px, "of the rectified images [px]; as dense as the cameras unless said")
-      ->check(CLI::Range(16, 1 << 14));
-  verb.add_option("--height", flags.height_px, "of the rectified images [px]")->check(CLI::Range(16, 1 << 14));
-  verb.add_option("--field", flags.field_deg, "of view to keep along and across the baseline [deg]; all unless said")
-      ->expected(2)
-      ->check(CLI::Range(1.0, 360.0));
+  flags.options = {
+      verb.add_option("--left", flags.left, "name of the left camera; the first one unless said")->type_name("NAME"),
+      verb.add_option("--right", flags.right, "name of the right camera; the second one unless said")
+          ->type_name("NAME"),
+      verb.add_option("--projection", flags.projection, "pinhole or equirectangular; the advised one unless said")
+          ->check(CLI::IsMember({"pinhole", "equirectangular"})),
+      verb.add_option("--width", flags.width_px, "of the rectified images [px]; as dense as the cameras unless said")
+          ->check(CLI::Range(16, 1 << 14)),
+      verb.add_option("--height", flags.height_px, "of the rectified images [px]")->check(CLI::Range(16, 1 << 14)),
+      verb.add_option("--field", flags.field_deg,
+                      "of view to keep along and across the baseline [deg]; all unless said")
+          ->expected(2)
+          ->check(CLI::Range(1.0, 360.0))};
 }
 
 RectifyOptions rectify_options(const RectifyFlags& flags) {
@@ -85,8 +89,7 @@ std::string rectification_text(const Rectification& pair) {
 
 void declare_stereo_flags(CLI::App& verb, StereoFlags& flags) {
   declare_rectify_flags(verb, flags.rectify);
-  verb.add_option("--near", flags.near_m, "nearest distance [m]; four baselines unless said")
-      ->check(CLI::PositiveNumber);
+  verb.add_option("--near", flags.near_m, "nearest distance [m]; four baselines unless said")->check(above_zero);
   verb.add_option("--disparities", flags.disparities, "how many to search instead [px]")
       ->check(CLI::Range(1, kMostDisparities));
   verb.add_option("--least-disparity", flags.least_disparity, "where to begin [px]; matches lie beyond it")

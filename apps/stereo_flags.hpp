@@ -15,6 +15,7 @@ struct RectifyFlags {
   std::string left, right, projection;
   int width_px = 0, height_px = 0;
   std::vector<double> field_deg;
+  std::vector<CLI::Option*> options = {};  ///< by which these are said
 };
 void declare_rectify_flags(CLI::App& verb, RectifyFlags& flags);
 

@@ -7,10 +7,10 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "former_frames.hpp"
 #include "page_text.hpp"
 #include "points_json.hpp"
 #include "pose_json.hpp"
@@ -121,19 +121,8 @@ std::vector<WholeFile> named_files(const fs::path& folder, const std::string& na
   return named;
 }
 
-void remove_former_frames(const fs::path& folder, const std::set<std::string>& names) {
-  std::vector<std::string> former;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    const std::string name = entry.path().stem().string();
-    if (entry.path().extension() != ".json" || !entry.is_regular_file() || names.contains(name)) continue;
-    std::ifstream file(entry.path());
-    const auto json = nlohmann::json::parse(file, nullptr, false);
-    if (json.is_object() && json.contains("format") && json["format"] == kStereoPoints.name) former.push_back(name);
-  }
-  for (const std::string& name : former) {
-    for (const char* ending : kEndings) fs::remove(folder / (name + ending));
-  }
-  if (!former.empty()) say(fmt::format("removed {} frames of a former run from {}", former.size(), folder.string()));
+void remove_former_stereo_frames(const fs::path& folder, const std::set<std::string>& names) {
+  remove_former_frames(folder, kStereoPoints, kEndings, names);
 }
 
 }  // namespace raybundle::apps

@@ -31,10 +31,9 @@ StereoFrameFiles stereo_frame_files(const StereoFrame& frame, const StereoMatche
 std::vector<WholeFile> named_files(const std::filesystem::path& folder, const std::string& name,
                                    const StereoFrameFiles& files);
 
-/// Removes what a former run left in the folder of frames that this one has not: they would be taken for more of the
-/// sequence.
+/// remove_former_frames() of these files.
 ///
 /// @param names  the frames of this run
-void remove_former_frames(const std::filesystem::path& folder, const std::set<std::string>& names);
+void remove_former_stereo_frames(const std::filesystem::path& folder, const std::set<std::string>& names);
 
 }  // namespace raybundle::apps

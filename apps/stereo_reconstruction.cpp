@@ -129,11 +129,11 @@ void StereoReconstruction::reconstruct(const StereoMoment& moment, const StereoI
 void StereoReconstruction::finish() const {
   const std::size_t taken = names_.size();
   if (taken == 0) throw Error(ErrorKind::kNotEnoughData, "there was no pair of images to reconstruct from");
-  remove_former_frames(flags_.output, names_);
+  remove_former_stereo_frames(flags_.output, names_);
   write_results(flags_.output, {{page_file(), stereo_page(page_)}});
   if (!flags_.json) {
-    fmt::print("\nwrote {}: rectified pair, disparity, depth, PLY and JSON for each of {} pairs\nlook  {}\n",
-               flags_.output, taken, page_file().string());
+    fmt::print("\nwrote {}: rectified pair, disparity, depth, PLY and JSON for {}\nlook  {}\n", flags_.output,
+               taken == 1 ? "the pair" : fmt::format("each of {} pairs", taken), page_file().string());
   }
   if (left_out_ > 0) say_warning(fmt::format("{} of {} pairs could not be used", left_out_, taken + left_out_));
   if (exchanged_ > 0)

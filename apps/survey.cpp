@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "chosen_camera.hpp"
+#include "number_flags.hpp"
 #include "raybundle/calibrate/survey.hpp"
 #include "raybundle/io/calibration_file.hpp"
 #include "survey_input.hpp"
@@ -73,7 +74,7 @@ void add_survey_verb(CLI::App& app) {
   verb->add_option("--camera", flags->camera,
                    "name; may be left out when there is only one, or when the sightings name theirs")
       ->type_name("NAME");
-  verb->add_option("--max-rms", flags->max_rms_px, "gate: rms over all landmarks [px]")->check(CLI::PositiveNumber);
+  verb->add_option("--max-rms", flags->max_rms_px, "gate: rms over all landmarks [px]")->check(above_zero);
   verb->add_flag("--json", flags->json, "print the result as JSON");
   verb->footer(
       "Example:\n  raybundle survey out/calibration.json --landmarks towers.csv --sightings clicks.csv \\\n"

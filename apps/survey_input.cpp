@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "number_flags.hpp"
 #include "raybundle/io/survey_files.hpp"
 #include "raybundle/scene/csv.hpp"
 
@@ -24,13 +25,14 @@ void add_survey_flags(CLI::App& verb, bool required, SurveyInput& input) {
       ->delimiter(',')
       ->expected(3)
       ->needs(landmarks)
+      ->check(finite_number)
       ->type_name("LAT,LON,HEIGHT");
   verb.add_option("--height", input.height,
                   "what heights are above: ellipsoidal, or orthometric:N with the geoid's height N there [m]")
       ->needs(landmarks)
       ->type_name("DATUM");
   verb.add_option("--sighting-sigma", input.sigma_px, "of a sighting's u and v [px]")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero)
       ->needs(landmarks)
       ->capture_default_str();
 }

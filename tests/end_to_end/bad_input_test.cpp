@@ -9,6 +9,7 @@
 #include <random>
 
 #include "program.hpp"
+#include "raybundle/calibrate/calibrate.hpp"
 #include "raybundle/io/observations_file.hpp"
 #include "synthetic_world.hpp"
 #include "tables.hpp"
@@ -153,6 +154,55 @@ TEST_F(BadInput, AnotherBoardSaysHowManyCornersWereSeen) {
   }
 }
 
+// Two boards that are alike would both be found in the print of one, and each of its corners would count twice.
+TEST_F(BadInput, TwoBoardsThatImagesDoNotTellApart) {
+  const auto chessboard = [](const std::string& name, const std::string& size) {
+    return "[[target]]\nname = \"" + name + "\"\nkind = \"chessboard\"\n" + size + "\nsquare_m = 0.025\n";
+  };
+  const std::string nine = "columns = 9\nrows = 6", eight = "columns = 8\nrows = 5";
+  const std::string tags = "[[target]]\nkind = \"aprilgrid\"\ncolumns = 6\nrows = 6\ntag_m = 0.088\nspacing = 0.3\n";
+  const auto refuses_boards = [&](const std::string& boards, const std::vector<std::string>& words) {
+    write_text(place / "left1.jpg", "this is not an image");
+    write_text(place / "dataset.toml",
+               boards + "[[camera]]\nname = \"c\"\nmodel = \"pinhole\"\nimages = \"left1.jpg\"\n");
+    refuses({(place / "dataset.toml").string()}, 2, words);
+  };
+  refuses_boards(chessboard("a", nine) + chessboard("b", eight), {"'a' from 'b'", "ChArUco"});
+  refuses_boards(tags + tags + "first_tag = 35\n", {"'board' from 'board2'", "the same markers"});
+  refuses_boards(chessboard("a", nine) + chessboard("a", nine), {"dataset.toml:7", "two [[target]] are called 'a'"});
+}
+
+// docs/formats/dataset.md names all options of [calibrate], with their defaults.
+TEST(DatasetDocs, NameEveryOptionOfCalibrate) {
+  const std::string docs = text_of(RAYBUNDLE_SOURCE_DIR "/docs/formats/dataset.md");
+  CalibrateOptions options;
+  CalibrateOptions::for_each_option(options, [&](const char* name, const char*, const char*, const auto& value) {
+    EXPECT_THAT(docs, HasSubstr(fmt::format("\n{} = {}", name, value)));
+  });
+}
+
+// NaN is within every range that is asked for by comparing.
+TEST(NumberFlags, NoneTakesWhatIsNoNumber) {
+  const std::vector<std::string> verbs[] = {{"compare", "a.json", "b.json", "--max-px"},
+                                            {"eye-safety", "--edition", "1993", "--power"},
+                                            {"eye-safety", "--edition", "1993", "--brightest"},
+                                            {"validate", "a.json", "--max-rms"},
+                                            {"survey", "a.json", "--max-rms"},
+                                            {"reconstruct", "stereo", "a.json", "l", "r", "-o", "o", "--near"},
+                                            {"reconstruct", "stereo", "a.json", "l", "r", "-o", "o", "--uniqueness"},
+                                            {"simulate", "random:1", "-o", "o", "--turn"}};
+  for (std::vector<std::string> arguments : verbs) {
+    const std::string flag = arguments.back();
+    arguments.push_back("nan");
+    const ProgramRun run = raybundle_program(arguments);
+    EXPECT_EQ(run.exit_code, 2) << flag;
+    EXPECT_THAT(run.err, HasSubstr(flag + ": 'nan' must be a number"));
+  }
+  const ProgramRun negative = raybundle_program({"eye-safety", "--edition", "1993", "--power", "-3"});
+  EXPECT_EQ(negative.exit_code, 2);
+  EXPECT_THAT(negative.err, HasSubstr("'-3' must be a number above 0"));
+}
+
 TEST_F(BadInput, FewerThanThreeViews) {
   RAYBUNDLE_NEEDS_DATA(kImages);
   copy_images(2);
@@ -226,6 +276,7 @@ TEST_F(BadInput, FlagsThatObservationsMakeIdle) {
   refuses(with({"--target", "chessboard:9x7:50mm"}), 2, {"corners.json", "another board than chessboard:9x7:50mm"});
   refuses(with({"--image-size", "camera0=640x480"}), 2, {"--image-size", "leave it out"});
   refuses(with({"--camera", "camera0=*.jpg"}), 2, {"--camera", "corners.json", "leave out"});
+  refuses(with({"--model", "nix=pinhole"}), 2, {"--model 'nix=pinhole'", "does not exist"});
   const nlohmann::json report = calibrate(place, with({"--target", "chessboard:9x7:40mm"}));  // says it once more
   EXPECT_TRUE(report.contains("cameras"));
 }

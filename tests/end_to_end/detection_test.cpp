@@ -104,6 +104,22 @@ TEST(DetectsTwoBoards, InOneImage) {
   EXPECT_GE(corners, 4 * 72);
 }
 
+// The command that it ends with can be typed as it stands.
+TEST(Detects, AndAsksForAModelOnlyWhereTheFileHoldsNone) {
+  RAYBUNDLE_NEEDS_DATA("opencv_stereo_chess");
+  const std::filesystem::path place = fresh_folder();
+  std::vector<std::string> arguments{"detect",
+                                     "--target",
+                                     "chessboard:9x6:25mm",
+                                     "--camera",
+                                     "c=" + (real_data("opencv_stereo_chess") / "left0[1-3].jpg").string(),
+                                     "-o",
+                                     (place / "o.json").string()};
+  EXPECT_THAT(raybundle_program(arguments).out, HasSubstr("--model MODEL"));
+  arguments.insert(arguments.end(), {"--model", "brown_conrady"});
+  EXPECT_THAT(raybundle_program(arguments).out, ::testing::Not(HasSubstr("--model MODEL")));
+}
+
 TEST(DetectsNothing, OfTheOtherCharucoLayoutAndNamesTheSetting) {
   RAYBUNDLE_NEEDS_DATA("photonvision_charuco_small");
   const std::filesystem::path place = fresh_folder();

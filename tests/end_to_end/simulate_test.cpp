@@ -53,6 +53,8 @@ TEST(Simulate, WritesPairsOfImagesThatDoNotDependOnThreads) {
   EXPECT_EQ(json_of(folder / "one" / "observations.json")["views"][0]["image"], "images/camera/000_off.png");
   simulate(folder / "one", rig, {"--frames", "2", "--seed", "7"});
   EXPECT_FALSE(fs::exists(folder / "one" / "images" / "camera" / "002_off.png")) << "of the earlier run";
+  simulate(folder / "one", rig, {"--frames", "2", "--seed", "8", "--no-images"});
+  EXPECT_FALSE(fs::exists(folder / "one" / "images" / "camera" / "000_off.png")) << "of another truth";
 }
 
 TEST(Simulate, TwelveBitsFillThoseOfAPng) {

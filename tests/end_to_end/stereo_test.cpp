@@ -205,6 +205,21 @@ TEST(ReconstructStereo, SaysThatLeftAndRightAreExchanged) {
   EXPECT_NE(exchanged.err.find("2 of 2 pairs fit the other way round"), std::string::npos) << exchanged.err;
 }
 
+TEST(ReconstructStereo, NamesImagesThatAreNoPairs) {
+  RAYBUNDLE_NEEDS_DATA("opencv_stereo_chess");
+  const std::string images = real_data("opencv_stereo_chess").string() + "/";
+  const fs::path folder = calibrated_pairs(images);
+  const auto run = [&](const char* left, const char* right) {
+    return raybundle_program({"reconstruct", "stereo", (folder / "out" / "calibration.json").string(), images + left,
+                              images + right, "-o", (folder / "points").string(), "--width", "99"});
+  };
+  const ProgramRun few = run("left0[12].jpg", "right0[1-3].jpg");
+  EXPECT_NE(few.err.find("1 of 3 right images have no left one"), std::string::npos) << few.err;
+  const ProgramRun other = run("left01.jpg", "right02.jpg");
+  EXPECT_NE(other.err.find("their numbers differ"), std::string::npos) << other.err;
+  EXPECT_EQ(run("left01.jpg", "right01.jpg").err.find("their numbers differ"), std::string::npos);
+}
+
 // A folder of images as people have them: with a note in it, and one image from somewhere else.
 TEST(ReconstructStereo, TakesTheImagesOfFolders) {
   RAYBUNDLE_NEEDS_DATA("opencv_stereo_chess");

@@ -153,6 +153,12 @@ TEST_F(StructuredLightProgram, TurnsImagesIntoPointsByCalibrationAndByTable) {
       raybundle_program({"export", truth_, "--runtime", "structured-light", "-o", table, "--json"});
   ASSERT_EQ(exported.exit_code, 0) << exported.err;
   EXPECT_LT(nlohmann::json::parse(exported.out)["ray_error_rad"], 1e-5);
+  EXPECT_EQ(
+      raybundle_program({"export", truth_, "--runtime", "structured-light", "-o", table, "--width", "99"}).exit_code,
+      2);  // which is of --rectification
+  const ProgramRun ranged = reconstruct({table, on_[0], "--off", off_[0], "--nearest", "0.3"});
+  EXPECT_EQ(ranged.exit_code, 2);
+  EXPECT_NE(ranged.err.find("leave out --nearest"), std::string::npos) << ranged.err;
   const std::string name = fs::path(on_[0]).stem().string();
   const ProgramRun run = reconstruct({table, on_[0], "--off", off_[0]});
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -197,7 +203,11 @@ TEST_F(StructuredLightProgram, TakesTheFramesOfVideos) {
     return json_of(folder_ / "points" / (name + ".json"))["points"];
   };
   const nlohmann::json second = points_of({on, "--off", off}, "lit_000001");
+  EXPECT_TRUE(fs::exists(folder_ / "points/lit_000000.glb"));
   EXPECT_EQ(second, points_of({on_[0], on_[1], "--off", off_[0], off_[1]}, fs::path(on_[1]).stem().string()));
+  for (const char* ending : {".json", ".ply", ".glb", ".html"}) {  // they would be taken for more of the sequence
+    EXPECT_FALSE(fs::exists(folder_ / ("points/lit_000000" + std::string(ending)))) << "is of the former run";
+  }
   EXPECT_GT(second.size(), 5u);
   fs::remove_all(folder_ / "points");
   EXPECT_GT(points_of({"--watch", on, "--frames", "1"}, "lit_000000").size(), 5u);

@@ -175,6 +175,7 @@ TEST_F(Subsets, ProjectAndUnprojectUndoEachOther) {
   }
   EXPECT_EQ(raybundle_program({"project", file, "--camera", "middle"}, "0,0,1\n").exit_code, 2);
   EXPECT_EQ(raybundle_program({"project", file, "--camera", "left"}, "0,zero,1\n").exit_code, 2);
+  EXPECT_EQ(raybundle_program({"project", file, "--camera", "left"}, "inf,0,1\n").out, "nan,nan\n");
 }
 
 // Three cameras of which the first and the last never see a board at once.

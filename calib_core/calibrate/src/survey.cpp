@@ -86,6 +86,13 @@ Rigid3 pose_from_directions(const std::vector<Eigen::Vector3d>& directions, cons
   return pose;
 }
 
+[[noreturn]] void refuse_image(const std::string& image) {
+  throw Error(ErrorKind::kNotEnoughData,
+              "no place of the camera explains where its landmarks are seen; are names, coordinates and their units "
+              "right, and the pixels of this camera?",
+              image);
+}
+
 Rigid3 start_pose(const Camera& camera, const std::vector<Pair>& pairs, const std::string& image) {
   std::vector<Eigen::Vector3d> points, point_rays, directions, direction_rays;
   for (const Pair& pair : pairs) {
@@ -109,11 +116,7 @@ Rigid3 start_pose(const Camera& camera, const std::vector<Pair>& pairs, const st
         image);
   }
   const auto pose = robust_target_pose(points, point_rays, kStartThresholdRad);
-  if (!pose) {
-    throw Error(ErrorKind::kNotEnoughData,
-                "no place of the camera explains where its landmarks are seen; are names and coordinates right?",
-                image);
-  }
+  if (!pose) refuse_image(image);
   return pose->camera_from_target;
 }
 
@@ -212,11 +215,24 @@ SurveyImage image_of(const Camera& camera, const std::string& image, std::vector
     refined = refine(camera, pairs, sigma_px, refined);
     judge();
   }
+  const auto unseen = [](const LandmarkResidual& l) { return l.used && std::isnan(l.sigmas); };
+  if (std::ranges::any_of(result.landmarks, unseen)) refuse_image(image);
   result.image = image;
   result.camera_from_local = refined.pose * Rigid3{Eigen::Quaterniond::Identity(), -centre};
   result.pose_sigma = sigmas_of(refined.information);
   sum_up(result);
   return result;
+}
+
+void require_inside(const Sighting& sighting, const RigCamera& camera) {
+  const Eigen::Vector2d& pixel = sighting.pixel;
+  const ImageSize size = camera.camera.size;
+  if (pixel.x() >= -0.5 && pixel.x() <= size.width - 0.5 && pixel.y() >= -0.5 && pixel.y() <= size.height - 0.5) return;
+  throw Error(ErrorKind::kBadInput,
+              fmt::format("landmark '{}' is seen at pixel ({:.1f}, {:.1f}), outside of the {}x{} image of camera {}; "
+                          "was it clicked in an image of another size?",
+                          sighting.landmark, pixel.x(), pixel.y(), size.width, size.height, camera.name),
+              sighting.image);
 }
 
 }  // namespace
@@ -246,6 +262,7 @@ std::vector<SurveyImage> check_survey(const Calibration& calibration, const RigC
       throw Error(ErrorKind::kBadInput, "landmark '" + sighting.landmark + "' is not among the surveyed ones",
                   sighting.image);
     }
+    require_inside(sighting, camera);
     images[sighting.image].push_back({&*landmark, sighting.pixel});
   }
   if (images.empty()) {

@@ -12,6 +12,7 @@
 #include "raybundle/io/calibration_file.hpp"
 #include "raybundle/scene/csv.hpp"
 #include "raybundle/scene/suggestion.hpp"
+#include "self_test.hpp"
 
 namespace raybundle {
 namespace {
@@ -116,7 +117,17 @@ Covariance covariance_from(const JsonNode& node) {
   return covariance;
 }
 
+// Whoever edits the parameters must not get by with taking the test out.
+void require_self_tests(const JsonNode& tests, const std::set<std::string>& tested, const Calibration& calibration) {
+  for (const RigCamera& camera : calibration.cameras) {
+    if (tested.contains(camera.name) || self_tests_of(camera).empty()) continue;
+    tests.fail("has nothing of camera " + in_quotes(camera.name) +
+               ": the file was edited or made by another version; write it again");
+  }
+}
+
 void replay_self_test(const JsonNode& tests, const Calibration& calibration) {
+  std::set<std::string> tested;
   for (std::size_t i = 0; i < tests.array_size(); ++i) {
     const JsonNode test = tests[i];
     const JsonNode name = test.at("camera");
@@ -125,6 +136,7 @@ void replay_self_test(const JsonNode& tests, const Calibration& calibration) {
       if (candidate.name == name.text()) camera = &candidate;
     }
     if (camera == nullptr) name.fail(in_quotes(name.text()) + " is not one of the cameras; correct it");
+    tested.insert(camera->name);
     const Eigen::Vector2d expected = test.at("pixel").vector<2>();
     const Eigen::Vector3d rays[] = {camera->camera_from_rig * test.at("point_in_rig_m").vector<3>(),
                                     test.at("ray_in_camera").vector<3>()};
@@ -137,6 +149,7 @@ void replay_self_test(const JsonNode& tests, const Calibration& calibration) {
                 ": the file was edited or made by another version; write it again");
     }
   }
+  require_self_tests(tests, tested, calibration);
 }
 
 Provenance provenance_from(const JsonNode& node) {

@@ -10,6 +10,7 @@
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
 #include "raybundle/scene/atomic_file.hpp"
+#include "self_test.hpp"
 
 namespace raybundle {
 namespace {
@@ -115,26 +116,14 @@ OrderedJson json_from_covariance(const Covariance& covariance) {
   return {{"names", covariance.names}, {"lower_triangle", rows}};
 }
 
-// Points at one metre on the rays of a 3 x 3 grid of pixels, and where they land: whoever reads the file can check
-// model, parameters and transform at once.
 OrderedJson json_from_self_test(const std::vector<RigCamera>& cameras) {
   OrderedJson json = OrderedJson::array();
   for (const RigCamera& camera : cameras) {
-    for (const double v : {0.1, 0.5, 0.9}) {
-      for (const double u : {0.1, 0.5, 0.9}) {
-        const Eigen::Vector2d grid(u * (camera.camera.size.width - 1), v * (camera.camera.size.height - 1));
-        const auto ray = ray_from_pixel(camera.camera, grid);
-        if (!ray || !ray->allFinite()) continue;
-        const Eigen::Vector3d x_in_rig = camera.camera_from_rig.inverse() * *ray;
-        const auto pixel = pixel_from_ray(camera.camera, camera.camera_from_rig * x_in_rig);
-        const auto again = pixel_from_ray(camera.camera, *ray);
-        // A number that rounding alone moves so far tests nothing.
-        if (!pixel || !again || !((*pixel - *again).norm() < 0.1 * kSelfTestTolerance_px)) continue;
-        json.push_back({{"camera", camera.name},
-                        {"point_in_rig_m", json_from_vector(x_in_rig)},
-                        {"ray_in_camera", json_from_vector(*ray)},
-                        {"pixel", json_from_vector(*pixel)}});
-      }
+    for (const SelfTest& test : self_tests_of(camera)) {
+      json.push_back({{"camera", camera.name},
+                      {"point_in_rig_m", json_from_vector(test.x_in_rig)},
+                      {"ray_in_camera", json_from_vector(test.ray_in_camera)},
+                      {"pixel", json_from_vector(test.pixel)}});
     }
   }
   return json;

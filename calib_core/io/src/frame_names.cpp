@@ -62,6 +62,11 @@ std::vector<std::string> frame_names(const std::vector<std::string>& paths) {
   return names;
 }
 
+bool numbered_apart(const std::string& path_a, const std::string& path_b) {
+  const std::vector<std::string> a = digit_runs(stem(path_a)), b = digit_runs(stem(path_b));
+  return !a.empty() && !b.empty() && std::ranges::find_first_of(a, b) == a.end();
+}
+
 bool matches_pattern(std::string_view text, std::string_view pattern) {
   // Greedy with one way back, to the last star: linear for ordinary patterns, and never worse than the product.
   std::size_t t = 0, p = 0, star = std::string_view::npos, after_star = 0;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "json_location.hpp"
 #include "raybundle/geometry/error.hpp"
@@ -15,11 +16,33 @@ namespace {
 
 constexpr int kMaxImageSide = 1'000'000;  // [px]; beyond that a width is a mistake
 
+// Refuses an object that has a key twice: only one of the values could be meant.
+class KeysOnce {
+ public:
+  explicit KeysOnce(const std::string& name) : name_(name) {}
+
+  bool operator()(int, nlohmann::json::parse_event_t event, const nlohmann::json& value) {
+    using Event = nlohmann::json::parse_event_t;
+    if (event == Event::object_start) open_.emplace_back();
+    if (event == Event::object_end) open_.pop_back();
+    if (event == Event::key && !open_.back().insert(value.get<std::string>()).second) {
+      throw Error(ErrorKind::kBadInput,
+                  "the key " + in_quotes(value.get<std::string>()) + " stands twice in one object; leave one out",
+                  name_);
+    }
+    return true;
+  }
+
+ private:
+  std::string name_;
+  std::vector<std::set<std::string>> open_;  // keys of the objects that have not ended, outermost first
+};
+
 }  // namespace
 
 JsonDocument parse_json(std::string_view text, const std::string& name) {
   try {
-    return {text, name, nlohmann::json::parse(text.begin(), text.end())};
+    return {text, name, nlohmann::json::parse(text.begin(), text.end(), KeysOnce(name))};
   } catch (const nlohmann::json::exception&) {
     const std::size_t byte = byte_of_syntax_error(text);
     const std::string where = name + ":" + std::to_string(line_of_byte(text, byte));

@@ -22,7 +22,7 @@ struct JsonDocument {
 
 /// Parses a text.
 ///
-/// @throws Error(kBadInput) with the line of the first mistake
+/// @throws Error(kBadInput) with the line of the first mistake, or naming a key that an object has twice
 JsonDocument parse_json(std::string_view text, const std::string& name);
 
 /// A value in a document that knows its place, so that every complaint names line and key. A node points to the node it

@@ -89,6 +89,22 @@ void refuse_swapped_axes(const CalibrationProblem& problem, int camera) {
          "camera " + problem.cameras[camera].name);
 }
 
+// Shares of the image size instead of pixels.
+void refuse_shares(const CalibrationProblem& problem, int camera) {
+  std::size_t all = 0;
+  for (const TargetView& view : problem.views) {
+    if (view.camera != camera) continue;
+    for (const Observation& observation : view.observations) {
+      if (!(observation.pixel.cwiseAbs().maxCoeff() <= 1.0)) return;
+      ++all;
+    }
+  }
+  if (all < 4) return;
+  refuse("all " + std::to_string(all) +
+             " corners lie within one pixel, as shares of the image size do; give u and v in pixels",
+         "camera " + problem.cameras[camera].name);
+}
+
 // Corners may lie a little outside when they were extrapolated, but not by a whole image.
 void check_observation(const Observation& observation, const Target& target, ImageSize size, const std::string& where) {
   const std::string point = "point " + std::to_string(observation.point_id);
@@ -168,6 +184,14 @@ void check_laser(const CalibrationProblem& problem) {
   }
 }
 
+// Their shapes are parameters, which are called by the board's name.
+void refuse_boards_of_one_name(const CalibrationProblem& problem) {
+  std::set<std::string> names;
+  for (const Target& target : problem.targets) {
+    if (!names.insert(target.name).second) refuse("two boards are called '" + target.name + "'; rename one");
+  }
+}
+
 }  // namespace
 
 std::string view_name(const CalibrationProblem& problem, const TargetView& view) {
@@ -187,7 +211,11 @@ void check(const CalibrationProblem& problem) {
     if (!names.insert(camera.name).second) refuse("two cameras are called '" + camera.name + "'; rename one");
   }
   std::ranges::for_each(problem.targets, check_target);
-  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) refuse_swapped_axes(problem, c);
+  refuse_boards_of_one_name(problem);
+  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
+    refuse_swapped_axes(problem, c);
+    refuse_shares(problem, c);
+  }
   std::set<std::tuple<int, int, int>> seen;
   for (std::size_t i = 0; i < problem.views.size(); ++i) {
     const TargetView& view = problem.views[i];

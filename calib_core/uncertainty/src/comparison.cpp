@@ -124,6 +124,11 @@ CalibrationComparison compare(const Calibration& a, const Calibration& b, const 
       continue;
     }
     refuse_other_sizes(camera, *same);
+    if (!camera.evidence || !same->evidence) {
+      comparison.remarks.push_back(fmt::format(
+          "the {} calibration does not tell where the corners of camera {} were: they are taken from the {}",
+          camera.evidence ? "second" : "first", camera.name, camera.evidence ? "first" : "second"));
+    }
     for (const double range_m : options.ranges_m) {
       comparison.projections.push_back(projection_difference(camera, of_a, *same, of_b, range_m, options.columns));
     }

@@ -46,6 +46,14 @@ std::vector<Cell> common_cells(const RigCamera& a, const RigCamera& b, int colum
   return cells;
 }
 
+// A camera that does not tell where its corners were is looked at where another calibration's were.
+RigCamera with_corners_of(const RigCamera& other, RigCamera camera) {
+  if (camera.evidence || !other.evidence) return camera;
+  camera.evidence = other.evidence;
+  camera.evidence->implied_motion.setZero(6, camera.camera.parameters.size());
+  return camera;
+}
+
 void require_cells(const RigCamera& a, const std::vector<Cell>& cells) {
   if (static_cast<int>(cells.size()) >= kFewestCells) return;
   throw Error(ErrorKind::kBadInput, "the two calibrations of camera " + a.name +
@@ -155,8 +163,14 @@ ProjectionDifference difference_of(const RigCamera& a, const Lens& b, const std:
 
 }  // namespace
 
-ProjectionDifference projection_difference(const RigCamera& a, const Covariance& covariance_a, const RigCamera& b,
-                                           const Covariance& covariance_b, double range_m, int columns) {
+ProjectionDifference projection_difference(const RigCamera& camera_a, const Covariance& covariance_a,
+                                           const RigCamera& camera_b, const Covariance& covariance_b, double range_m,
+                                           int columns) {
+  if (!camera_a.evidence && !camera_b.evidence) {
+    throw Error(ErrorKind::kBadInput, "neither calibration tells where the corners of camera " + camera_a.name +
+                                          " were; compare with one that was solved from corners");
+  }
+  const RigCamera a = with_corners_of(camera_b, camera_a), b = with_corners_of(camera_a, camera_b);
   const ProjectionUncertainty alone_a = projection_uncertainty(a, covariance_a);
   const ProjectionUncertainty alone_b = projection_uncertainty(b, covariance_b);
   std::vector<Cell> cells = common_cells(a, b, columns);

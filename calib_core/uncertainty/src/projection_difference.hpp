@@ -19,8 +19,10 @@ using Lens = std::function<std::optional<SeenRay>(const Eigen::Vector3d& ray)>;
 /// One camera of two calibrations, at one range.
 ///
 /// @param covariance_a, covariance_b  what sigmas come from
-ProjectionDifference projection_difference(const RigCamera& a, const Covariance& covariance_a, const RigCamera& b,
-                                           const Covariance& covariance_b, double range_m, int columns);
+/// @throws Error(kBadInput) when neither holds its CornerEvidence
+ProjectionDifference projection_difference(const RigCamera& camera_a, const Covariance& covariance_a,
+                                           const RigCamera& camera_b, const Covariance& covariance_b, double range_m,
+                                           int columns);
 
 /// The same, at infinity, of a camera and a lens of any kind that was solved for from the same corners. The lens is
 /// taken to be as uncertain as the camera.

@@ -16,7 +16,7 @@ ProjectionUncertainty projection_uncertainty(const RigCamera& camera, const Cova
   if (!camera.evidence) {
     throw Error(ErrorKind::kBadInput,
                 "the calibration does not tell where the corners of camera " + camera.name +
-                    " were, so that its uncertainty cannot be told either; calibrate again with this version");
+                    " were, so that its uncertainty cannot be told either; take one that was solved from corners");
   }
   const std::vector<int> places = places_of(intrinsic_names(camera), covariance);
   const auto count = static_cast<Eigen::Index>(places.size());

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
@@ -138,8 +139,13 @@ Requirement requirement_from_text(std::string_view text) {
   Requirement requirement{.text = std::string(text), .quantity = grammar.quantity};
   requirement.limit = words.quantity(grammar.name, grammar.units, grammar.example);
   bool has_range = false;
+  std::vector<std::string> said;
   while (!words.done()) {
     const std::string word = words.take();
+    if (std::ranges::find(said, word) != said.end()) {
+      words.fail(fmt::format("'{}' stands twice; write a requirement for each", word));
+    }
+    said.push_back(word);
     if (word == "at" && grammar.may_have_range) {
       has_range = true;
       if (!words.take("infinity")) requirement.range_m = words.quantity("a distance", kLengths, grammar.example);

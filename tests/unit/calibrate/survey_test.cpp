@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "raybundle/calibrate/survey.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
 #include <random>
@@ -114,6 +114,32 @@ TEST(Survey, TooFewLandmarksAreRefused) {
   EXPECT_THROW(
       check_survey(calibration, calibration.cameras[0], {surveyed, sightings(calibration, surveyed, 0, 1), 0.5}),
       Error);
+}
+
+std::string refusal(const std::vector<Landmark>& surveyed, const std::vector<Sighting>& seen) {
+  Calibration calibration = calibration_of(-0.01);
+  calibration.cameras[0].camera = {*model_named("pinhole"), {1920, 1200}, Eigen::Vector4d(700, 700, 960, 600)};
+  try {
+    check_survey(calibration, calibration.cameras[0], {surveyed, seen, 0.5});
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// Stars from all sides cannot stand in one image: a pose would see none of them where it was clicked.
+TEST(Survey, SightingsThatAllDisagreeOrLieOutsideOfTheImageAreRefused) {
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY(), z = Eigen::Vector3d::UnitZ();
+  const std::vector<Landmark> stars{
+      {"a", x, true, 0}, {"b", -x, true, 0}, {"c", y, true, 0}, {"d", -y, true, 0}, {"e", z, true, 0}};
+  std::vector<Sighting> seen{{"a.png", "a", {900, 600}},
+                             {"a.png", "b", {1000, 600}},
+                             {"a.png", "c", {960, 550}},
+                             {"a.png", "d", {950, 650}},
+                             {"a.png", "e", {970, 610}}};
+  EXPECT_THAT(refusal(stars, seen), ::testing::HasSubstr("no place of the camera explains"));
+  seen[2].pixel.x() += 3000;
+  EXPECT_THAT(refusal(stars, seen), ::testing::HasSubstr("outside of the 1920x1200 image of camera camera"));
 }
 
 }  // namespace

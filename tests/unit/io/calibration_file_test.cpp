@@ -125,12 +125,25 @@ TEST(CalibrationFile, AShortQuaternionIsMended) {
   CalibrationFile file = full_calibration();
   file.calibration.cameras.resize(1);
   file.summaries.clear();
-  file.calibration.cameras[0].camera_from_rig.rotation = Eigen::Quaterniond(0.7071, 0.7071, 0, 0);
+  file.calibration.cameras[0].camera_from_rig.rotation = Eigen::Quaterniond(M_SQRT1_2, M_SQRT1_2, 0, 0);
   std::string text = text_from_calibration(file);
-  text.replace(text.find("\"self_test\""), text.find("\"provenance\"") - text.find("\"self_test\""),
-               "\"self_test\": [], ");
+  const std::size_t begin = text.find('[', text.find("\"rotation_xyzw\": [")), end = text.find(']', begin);
+  text.replace(begin, end - begin, "[0.7071, 0, 0, 0.7071");
   const Rigid3 read = calibration_from_text(text, "c.json").calibration.cameras[0].camera_from_rig;
   EXPECT_NEAR(read.rotation.norm(), 1.0, 1e-15);
+}
+
+TEST(CalibrationFile, ASelfTestThatWasTakenOutIsMissed) {
+  std::string text = text_from_calibration(full_calibration());
+  text.replace(text.find("\"self_test\""), text.find("\"provenance\"") - text.find("\"self_test\""),
+               "\"self_test\": [], ");
+  EXPECT_THAT(read_message(text), HasSubstr("self_test has nothing of camera"));
+}
+
+TEST(CalibrationFile, AKeyStandsOnce) {
+  const std::string text =
+      replaced(text_from_calibration(full_calibration()), "\"cx\": 639.5", "\"cx\": 1, \"cx\": 639.5");
+  EXPECT_THAT(read_message(text), HasSubstr("the key 'cx' stands twice"));
 }
 
 TEST(CalibrationFile, SelfTestFindsAnEdit) {

@@ -22,6 +22,13 @@ TEST(FrameNames, AreTheDigitsThatDiffer) {
 
 TEST(FrameNames, ZeroIsAFrame) { EXPECT_EQ(frame_names({"f000.png", "f100.png"}), (Names{"0", "100"})); }
 
+TEST(FrameNames, NumbersTellMomentsApartWhenNoneIsCommon) {
+  EXPECT_TRUE(numbered_apart("day2/left05.jpg", "day2/right12.jpg"));
+  EXPECT_FALSE(numbered_apart("left05.jpg", "right5.jpg"));
+  EXPECT_FALSE(numbered_apart("cam0_005.png", "cam1_005.png"));
+  EXPECT_FALSE(numbered_apart("left.jpg", "right12.jpg"));
+}
+
 TEST(MatchesPattern, StarsAndQuestionMarks) {
   EXPECT_TRUE(matches_pattern("left01.jpg", "left*.jpg"));
   EXPECT_TRUE(matches_pattern("left01.jpg", "left??.jpg"));

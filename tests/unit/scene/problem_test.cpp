@@ -54,6 +54,15 @@ TEST(ProblemCheck, NamesTheViewThatIsWrong) {
   }
 }
 
+TEST(ProblemCheck, TellsSharesOfTheImageFromPixels) {
+  const auto divide = [](CalibrationProblem& problem) {
+    for (TargetView& view : problem.views) {
+      for (Observation& observation : view.observations) observation.pixel /= 1e4;
+    }
+  };
+  EXPECT_THAT(message_after(divide), ::testing::HasSubstr("give u and v in pixels"));
+}
+
 TEST(ProblemCheck, NamesTheCameraRuleOrTargetThatIsWrong) {
   using ::testing::HasSubstr;
   EXPECT_THAT(message_after([](auto& p) { p.cameras.clear(); }), HasSubstr("no camera"));
@@ -61,6 +70,7 @@ TEST(ProblemCheck, NamesTheCameraRuleOrTargetThatIsWrong) {
   EXPECT_THAT(message_after([](auto& p) { p.cameras[0].parameters = Eigen::VectorXd::Ones(1); }),
               HasSubstr("has 1 start parameters"));
   EXPECT_THAT(message_after([](auto& p) { p.cameras.push_back(p.cameras[0]); }), HasSubstr("two cameras are called"));
+  EXPECT_THAT(message_after([](auto& p) { p.targets.push_back(p.targets[0]); }), HasSubstr("two boards are called"));
   EXPECT_THAT(message_after([](auto& p) { p.cameras[0].size = {}; }), HasSubstr("image size"));
   EXPECT_THAT(message_after([](auto& p) { std::swap(p.targets[0].points[0], p.targets[0].points[1]); }),
               HasSubstr("sorted by id"));

@@ -114,6 +114,21 @@ TEST(Comparison, NormalizesExtrinsicsAndBeams) {
   EXPECT_NEAR(comparison.beams[0].sigmas, std::sqrt(whitened / 4.0), 1e-9);
 }
 
+// A truth was not solved from corners: it is compared where those of the other calibration were.
+TEST(Comparison, TakesThePlacesOfCornersFromWhicheverTellsThem) {
+  const Calibration solved = solved_from_truth(synthetic_world(fisheye_options(1)));
+  Calibration truth = solved;
+  truth.cameras[0].evidence.reset();
+  truth.covariance = {};
+  const double covered_share = compare(solved, solved).projections[0].covered_share;
+  for (const auto& comparison : {compare(truth, solved), compare(solved, truth)}) {
+    EXPECT_LT(comparison.projections.at(0).largest_px, 1e-9);
+    EXPECT_EQ(comparison.projections[0].covered_share, covered_share);
+    EXPECT_THAT(comparison.remarks, ::testing::Contains(HasSubstr("does not tell where the corners")));
+  }
+  EXPECT_THROW(compare(truth, truth), Error);
+}
+
 TEST(Comparison, SaysWhatItCannotCompare) {
   const Calibration a = solved_from_truth(synthetic_world(stereo_options(1)));
   Calibration b = a;

@@ -47,6 +47,7 @@ TEST(Requirements, SaysWhatIsNotUnderstood) {
       {"rms 0.3", "px"},
       {"rms 0.3 px at 1 m", "cannot follow"},
       {"rms 0.3 px for", "cannot follow"},
+      {"rms 0.3 px for left for right", "'for' stands twice"},
       {"projection 0.2 px over 110 px", "deg"},
   };
   for (const auto& [text, part] : cases) {

@@ -16,6 +16,7 @@ namespace raybundle {
 /// sigmas of sighting, landmark and, at that pixel and range, of the calibration itself.
 ///
 /// @param survey  its sightings by other cameras are passed over
+/// @throws Error(kBadInput) naming a sighting outside of the image
 /// @throws Error(kNotEnoughData) naming the image that shows too few landmarks or a camera that cannot see them
 std::vector<SurveyImage> check_survey(const Calibration& calibration, const RigCamera& camera, const Survey& survey);
 

@@ -16,6 +16,9 @@ namespace raybundle {
 /// @return       aligned with paths
 std::vector<std::string> frame_names(const std::vector<std::string>& paths);
 
+/// Whether the file names of two images hold numbers, but none in common: then they are hardly of one moment.
+bool numbered_apart(const std::string& path_a, const std::string& path_b);
+
 /// Whether a text matches a pattern with * (any characters) and ? (one character).
 bool matches_pattern(std::string_view text, std::string_view pattern);
 

@@ -22,7 +22,7 @@ enum class SigmasFrom {
 };
 
 /// How the images of one camera differ between two calibrations of it. Matrices have one entry for each of equal cells
-/// of the image; NaN where not both calibrations saw corners, or a model has no ray.
+/// of the image; NaN where not both calibrations saw corners (or the one that tells), or a model has no ray.
 struct ProjectionDifference {
   std::string camera;
   ImageSize size;
@@ -56,7 +56,7 @@ struct CalibrationComparison {
   std::vector<ProjectionDifference> projections;  ///< camera by camera, range by range
   std::vector<NormalizedDifference> extrinsics;   ///< six of each camera after the first: camera_from_rig
   std::vector<NormalizedDifference> beams;        ///< `row,column` of those that both have
-  std::vector<std::string> remarks;               ///< what could not be compared, in words
+  std::vector<std::string> remarks;               ///< what could not be compared, or only in part, in words
 
   bool agrees() const;  ///< all projections do
 };
@@ -69,7 +69,8 @@ struct ComparisonOptions {
 
 /// Compares the cameras of the same name; their models may differ. What no image tells is taken out first: of the two
 /// sets of surroundings, which are not the same boards, the best fitting rotation and, at finite ranges, translation,
-/// over the cells that both saw. The sigmas are those of differences after such a fit.
+/// over the cells that both saw; where only one tells which it saw, as beside a simulated truth, over its. The sigmas
+/// are those of differences after such a fit.
 ///
 /// @throws Error(kBadInput) when no camera is in both, sizes of images differ, corners that were seen in common are too
 ///         few, or a covariance that is asked for is not there
