@@ -86,40 +86,47 @@ std::string exchanged_sides_warning(const Calibration& calibration) {
 }
 
 // Frames that do not link two cameras as they are, but would if their images were exchanged.
-std::string exchanged_frames_warning(const CalibrationProblem& problem, const CalibrationResult& result) {
+std::vector<std::string> exchanged_frames_warnings(const CalibrationProblem& problem, const CalibrationResult& result) {
   constexpr double kPlainlyNearer = 0.35;  // each image was posed with the other camera's lens
+  constexpr std::size_t kMostNamed = 20;   // frames
   const auto camera_from_rig = [&](int view) -> const Rigid3& {
-    return result.calibration.cameras[problem.views[view].camera].camera_from_rig;
+    return camera_named(result.calibration, problem.cameras[problem.views[view].camera].name).camera_from_rig;
   };
   const auto camera_from_target = [&](int view) {
     return camera_from_rig(view) * result.poses[result.views[view].pose].rig_from_target;
   };
   const auto distance_m = [](const Rigid3& a, const Rigid3& b) { return (a.translation - b.translation).norm(); };
-  std::set<int> frames;
-  std::pair<int, int> cameras;
+  std::map<std::pair<int, int>, std::vector<int>> posed_views;  // of each frame and board
+  for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
+    if (result.views[v].pose >= 0) posed_views[{problem.views[v].frame, problem.views[v].target}].push_back(v);
+  }
+  std::map<std::pair<int, int>, std::set<int>> frames;  // by cameras
   for (const SetAside& aside : result.set_aside) {
-    if (aside.scope != SetAside::Scope::kExtrinsics) continue;
     const TargetView& here = problem.views[aside.view];
-    for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
-      const TargetView& there = problem.views[v];
-      const bool other = there.frame == here.frame && there.target == here.target && there.camera != here.camera;
-      if (!other || result.views[v].pose < 0 || result.views[aside.view].pose < 0) continue;
+    if (aside.scope != SetAside::Scope::kExtrinsics || result.views[aside.view].pose < 0) continue;
+    for (const int v : posed_views[{here.frame, here.target}]) {
+      if (problem.views[v].camera == here.camera) continue;
       const Rigid3 there_from_here = camera_from_rig(v) * camera_from_rig(aside.view).inverse();
       const double apart_m = distance_m(there_from_here * camera_from_target(aside.view), camera_from_target(v));
       const double exchanged_m = distance_m(there_from_here * camera_from_target(v), camera_from_target(aside.view));
-      if (!(exchanged_m < kPlainlyNearer * apart_m)) continue;
-      frames.insert(here.frame);
-      cameras = std::minmax(here.camera, there.camera);
+      if (exchanged_m < kPlainlyNearer * apart_m) {
+        frames[std::minmax(here.camera, problem.views[v].camera)].insert(here.frame);
+      }
     }
   }
-  if (frames.empty()) return {};
-  std::vector<std::string> names;
-  for (const int frame : frames) names.push_back(problem.frames[frame]);
-  return fmt::format(
-      "the images of {} and {} look exchanged in frame{} {}: each board lies where the other camera would see it; "
-      "exchange them, and these frames link the cameras, too",
-      problem.cameras[cameras.first].name, problem.cameras[cameras.second].name, frames.size() == 1 ? "" : "s",
-      fmt::join(names, ", "));
+  std::vector<std::string> warnings;
+  for (const auto& [cameras, exchanged] : frames) {
+    std::vector<std::string> names;
+    for (const int frame : exchanged) names.push_back(problem.frames[frame]);
+    const bool all_named = names.size() <= kMostNamed;
+    names.resize(std::min(names.size(), kMostNamed));
+    warnings.push_back(fmt::format(
+        "the images of {} and {} look exchanged in frame{} {}{}: each board lies where the other camera would see it; "
+        "exchange them, and these frames link the cameras, too",
+        problem.cameras[cameras.first].name, problem.cameras[cameras.second].name, exchanged.size() == 1 ? "" : "s",
+        fmt::join(names, ", "), all_named ? "" : ", ..."));
+  }
+  return warnings;
 }
 
 }  // namespace
@@ -140,10 +147,10 @@ std::vector<std::string> data_warnings(const CalibrationProblem& problem, const 
     if (const std::string warning = unit_warning(target); !warning.empty()) warnings.push_back(warning);
   }
   std::ranges::copy(shared_image_warnings(problem), std::back_inserter(warnings));
-  for (const std::string& warning :
-       {exchanged_sides_warning(result.calibration), exchanged_frames_warning(problem, result)}) {
-    if (!warning.empty()) warnings.push_back(warning);
+  if (std::string warning = exchanged_sides_warning(result.calibration); !warning.empty()) {
+    warnings.push_back(std::move(warning));
   }
+  std::ranges::copy(exchanged_frames_warnings(problem, result), std::back_inserter(warnings));
   for (std::size_t c = 0; c < problem.cameras.size(); ++c) {
     const int views = result.cameras[c].views_used;
     if (views == 0 || views >= kFewViews) continue;

@@ -52,14 +52,15 @@ void find_in(const cv::Mat& on, const std::string& on_path, CalibrationProblem& 
 
 // Images with the laser on in which no dot was found on the board: a few miss it, many are no such images.
 void hint_at_dark_images(const Dataset& dataset, const std::vector<ImageFile>& files,
-                         const std::vector<std::vector<std::size_t>>& views_of_file, DetectedImages& images) {
+                         const std::vector<std::vector<std::size_t>>& views_of_file,
+                         const std::vector<std::string>& unreadable, DetectedImages& images) {
   constexpr double kMany = 0.25;
   const std::vector<TargetView>& views = images.observations.problem.views;
   for (int c = 0; c < static_cast<int>(dataset.cameras.size()); ++c) {
     int all = 0, dark = 0;
     std::string first;
     for (std::size_t f = 0; f < files.size(); ++f) {
-      if (files[f].camera != c) continue;
+      if (files[f].camera != c || !unreadable[f].empty()) continue;
       ++all;
       if (!std::ranges::all_of(views_of_file[f], [&](std::size_t v) { return views[v].dots.empty(); })) continue;
       if (++dark == 1) first = files[f].path;
@@ -115,7 +116,7 @@ void add_dots(const Dataset& dataset, const DetectOptions& options, DetectedImag
       images.unused.push_back({dataset.cameras[files[f].camera].name, files[f].frame, files[f].path, reasons[f]});
     }
   }
-  hint_at_dark_images(dataset, files, views_of_file, images);
+  hint_at_dark_images(dataset, files, views_of_file, reasons, images);
   images.laser_files = files;
   problem.laser = ProblemLaser{dataset.laser->grid, {}, dataset.laser->brightest, dataset.laser->missing};
   if (dataset.laser->anchor) set_anchor(*dataset.laser->anchor, problem);

@@ -11,6 +11,7 @@
 #include "misnumbered_views.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/observation_tables.hpp"
+#include "raybundle/scene/suggestion.hpp"
 #include "raybundle/targets/board_file.hpp"
 #include "repeated_views.hpp"
 
@@ -18,6 +19,14 @@ namespace raybundle::apps {
 namespace {
 
 [[noreturn]] void refuse(const std::string& message) { throw Error(ErrorKind::kBadInput, message); }
+
+template <typename Cameras>
+[[noreturn]] void refuse_unknown_camera(const std::string& flag, const std::string& value, const Cameras& cameras) {
+  std::vector<std::string> names;
+  for (const auto& camera : cameras) names.push_back(camera.name);
+  refuse(fmt::format("{} '{}' names a camera that does not exist.{}", flag, value,
+                     did_you_mean(value.substr(0, value.find('=')), names)));
+}
 
 std::pair<std::string, std::string> name_and_value(const std::string& flag, const std::string& example) {
   const std::size_t equals = flag.find('=');
@@ -53,7 +62,7 @@ void set_models(const std::vector<std::string>& flags, std::vector<DatasetCamera
       camera.model = model;
       known = true;
     }
-    if (!known) refuse(fmt::format("--model '{}' names a camera that does not exist", flag));
+    if (!known) refuse_unknown_camera("--model", flag, cameras);
   }
 }
 
@@ -72,7 +81,7 @@ void require_named_cameras(const std::string& flag, const std::vector<std::strin
     const std::size_t equals = value.find('=');
     if (equals == std::string::npos) continue;
     if (std::ranges::find(cameras, value.substr(0, equals), &ProblemCamera::name) != cameras.end()) continue;
-    refuse(fmt::format("{} '{}' names a camera that does not exist", flag, value));
+    refuse_unknown_camera(flag, value, cameras);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/quantile.hpp"
@@ -16,8 +17,9 @@ namespace {
 // Depths between which points are counted together [m].
 constexpr std::pair<double, double> kDepthBands[] = {{0.0, 0.4}, {0.4, 0.75}, {0.75, 1.25}, {1.25, 1000.0}};
 
-constexpr double kTolerances = 3.0;   // of the labels: the boards' places are uncertain too
-constexpr double kDriftSigmas = 5.0;  // that a wavelength must be off to be worth a word
+constexpr double kTolerances = 3.0;    // of the labels: the boards' places are uncertain too
+constexpr double kAboutAsMany = 0.98;  // of the dots: some lie at the rim of the tolerance
+constexpr double kDriftSigmas = 5.0;   // that a wavelength must be off to be worth a word
 
 /// Where the boards of the views lie; the held-out rig is seen from its first camera.
 std::vector<std::optional<Rigid3>> placed_boards(const Calibration& calibration, const CalibrationProblem& observed,
@@ -41,7 +43,8 @@ void judge_wavelength(const Calibration& calibration, const CalibrationProblem& 
   Calibration retuned = calibration;
   retuned.laser = at_wavelength(*calibration.laser, wavelength->scale);
   const auto explained = static_cast<int>(explain_dots(retuned, observed, rig_from_target, tolerance_px).size());
-  if (explained < static_cast<int>(verdict.explained.size()) || explained < verdict.min_share * verdict.expected)
+  if (explained < kAboutAsMany * static_cast<double>(verdict.explained.size()) ||
+      explained < verdict.min_share * verdict.expected)
     return;
   verdict.wavelength = wavelength;
   verdict.explained_retuned = explained;
@@ -66,7 +69,7 @@ bool LaserVerdict::drifted() const {
 
 bool LaserVerdict::enough_dots() const {
   const int belong = std::max(static_cast<int>(explained.size()), retuned ? explained_retuned : 0);
-  return dots > 0 && belong >= min_share * expected;
+  return belong > 0 && belong >= min_share * expected;
 }
 
 LaserVerdict judge_laser(const Calibration& calibration, const CalibrationProblem& observed,
@@ -76,6 +79,7 @@ LaserVerdict judge_laser(const Calibration& calibration, const CalibrationProble
   verdict.min_share = gate.min_share;
   const std::vector<std::optional<Rigid3>> rig_from_target = placed_boards(calibration, observed, placed);
   for (std::size_t v = 0; v < observed.views.size(); ++v) {
+    verdict.boards += rig_from_target[v].has_value();
     if (rig_from_target[v]) verdict.dots += static_cast<int>(observed.views[v].dots.size());
   }
   for (const DotsOnBoard& of_view : dots_on_boards(calibration, observed, rig_from_target)) {
@@ -117,6 +121,7 @@ void print_laser(const LaserVerdict& verdict) {
 }
 
 std::string why_failed(const LaserVerdict& verdict) {
+  if (verdict.boards == 0) return "laser: no board could be placed, so that its dots cannot be judged";
   if (verdict.dots == 0) {
     return "laser: no dot was found on a board; are the images with the laser on and off the same, or swapped?";
   }
@@ -124,12 +129,17 @@ std::string why_failed(const LaserVerdict& verdict) {
     return fmt::format("laser: its points lie {:.2f} mm rms off the boards, above the limit of {:.2f} mm (--max-plane)",
                        verdict.plane_mm(), verdict.limit_mm);
   }
-  return fmt::format("laser: only {} of its {} dots belong to a beam, and {:.0f} % have to (--min-dots); {}",
-                     verdict.explained.size(), verdict.dots, 100 * verdict.min_share,
-                     verdict.drifted()
-                         ? "at the wavelength that they show they do: --retune FILE writes the calibration that fits"
-                         : "has the projector moved against the cameras since, or is it another one? Calibrate again, "
-                           "with these images among the others");
+  if (verdict.expected == 0) {
+    return "laser: none of its beams meets a board in these images; has the projector moved against the cameras since, "
+           "or is it another one? Calibrate again";
+  }
+  return fmt::format(
+      "laser: only {} of the {} dots that its beams should explain belong to one, and {:.0f} % have to (--min-dots); "
+      "{}",
+      verdict.explained.size(), verdict.expected, 100 * verdict.min_share,
+      verdict.drifted() ? "at the wavelength that they show they do: --retune FILE writes the calibration that fits"
+                        : "has the projector moved against the cameras since, or is it another one? Calibrate again, "
+                          "with these images among the others");
 }
 
 nlohmann::ordered_json json_of(const LaserVerdict& verdict) {

@@ -18,6 +18,7 @@ namespace raybundle::apps {
 
 /// How the dots of a laser fared on boards that the calibration has not seen.
 struct LaserVerdict {
+  int boards = 0;    ///< of known place
   int dots = 0;      ///< in views whose board's place is known
   int expected = 0;  ///< of those, that lie on the boards where there are beams for them
   std::vector<HeldOutDot> explained;
@@ -25,7 +26,8 @@ struct LaserVerdict {
   double median_px = 0.0;
   double limit_mm = 0.0;   ///< of plane_mm(); 0: none
   double min_share = 0.0;  ///< of the expected dots: so many have to belong to a beam
-  bool retuned = false;    ///< whether the beams may be those at the wavelength that the dots show
+  /// Whether the beams may be those at the wavelength that the dots show; points of the old ones are then not judged.
+  bool retuned = false;
   /// Of these dots, where the calibration has a grating and its beams at that wavelength explain them.
   std::optional<WavelengthEstimate> wavelength;
   int explained_retuned = 0;  ///< dots, by the beams at that wavelength
@@ -34,7 +36,7 @@ struct LaserVerdict {
   double plane_mm(double nearest_m = 0.0, double farthest_m = INFINITY) const;
   bool drifted() const;      ///< whether the wavelength is plainly another than the calibration's
   bool enough_dots() const;  ///< whether so many belong to a beam that these are the laser's beams at all
-  bool passed() const { return enough_dots() && (limit_mm <= 0.0 || plane_mm() <= limit_mm); }
+  bool passed() const { return enough_dots() && (retuned || limit_mm <= 0.0 || plane_mm() <= limit_mm); }
 };
 
 /// What a laser has to reach, besides its dots being there.

@@ -72,7 +72,9 @@ class Reconstruction {
 
   void finish() const {
     if (names_.empty()) say("no image came");
-    if (!names_.empty()) remove_former_frames(flags_.output, kLaserPoints, kEndings, names_);
+    // What a watch has written before it was started again cannot be made again.
+    const bool watching = !flags_.watch.empty();
+    if (!names_.empty() && !watching) remove_former_frames(flags_.output, kLaserPoints, kEndings, names_);
     if (!flags_.json && !names_.empty()) {
       fmt::print("\nwrote {}: points in JSON, PLY and GLB, and a page, for each image\n", flags_.output);
     }

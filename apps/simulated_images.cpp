@@ -98,7 +98,9 @@ void remove_former_images(const fs::path& folder, const std::vector<SimulatedCam
     fs::remove(path, error);
     if (error) refuse_folder(path.parent_path(), error);
   }
-  if (!former.empty()) say(fmt::format("removed {} images of a former run from {}", former.size(), folder.string()));
+  if (former.empty()) return;
+  say(fmt::format("removed {} image{} of a former run from {}", former.size(), former.size() == 1 ? "" : "s",
+                  folder.string()));
 }
 
 void write_images(const fs::path& folder, const BoardedRig& boarded, const Simulation& simulation,

@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "held_out.hpp"
 #include "input_flags.hpp"
 #include "laser_verdict.hpp"
+#include "number_flags.hpp"
 #include "raybundle/calibrate/calibrate.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
@@ -27,6 +28,7 @@ struct ValidateFlags {
   LaserGate laser;
   std::string retuned;  // file for the calibration with the wavelength that the dots show; empty: none
   bool json = false;
+  bool laser_gate = false;  // whether anything was asked of the laser
 };
 
 struct CameraVerdict {
@@ -123,6 +125,7 @@ void run(const ValidateFlags& flags) {
   const Dataset dataset = dataset_of(flags.input, false);
   const DetectedImages images = observe(flags.input, dataset);
   require_views(images);
+  for (const std::string& hint : images.hints) say_warning(hint);
   const HeldOut held = held_out(file, images.observations.problem);
   const CalibrationProblem& problem = held.problem;
   for (const std::string& warning : held.warnings) say_warning(warning);
@@ -152,7 +155,7 @@ void run(const ValidateFlags& flags) {
     write_retuned(flags.retuned, file, dots);
     dots->retuned = true;
   }
-  const bool gate_without_laser = !dots && flags.laser.max_plane_mm > 0.0;
+  const bool gate_without_laser = !dots && flags.laser_gate;
   const bool passed =
       std::ranges::all_of(verdicts, &CameraVerdict::passed) && (dots ? dots->passed() : !gate_without_laser);
   if (flags.json) {
@@ -165,7 +168,9 @@ void run(const ValidateFlags& flags) {
     }
     if (gate_without_laser) {
       fmt::print(
-          "FAIL  laser: there is nothing to judge by --max-plane, no beams in the calibration or no dots here\n");
+          "FAIL  laser: there is nothing to judge by --max-plane or --min-dots, no beams in the calibration or no "
+          "laser in "
+          "these data\n");
     }
     if (dots && !dots->passed()) fmt::print("FAIL  {}\n", why_failed(*dots));
     const bool cameras_passed = std::ranges::all_of(verdicts, &CameraVerdict::passed);
@@ -183,13 +188,13 @@ void add_validate_verb(CLI::App& app) {
   add_input_flags(*verb, flags->input);
   verb->add_option("--max-rms", flags->max_rms_px,
                    "gate for each camera [px]; default: twice the calibration's own rms")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero);
   verb->add_option("--min-views", flags->min_share, "gate for each camera: share of its views that have to fit")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   verb->add_option("--max-plane", flags->laser.max_plane_mm,
                    "gate for the laser: rms distance of its points from the boards [mm]")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero);
   verb->add_option("--min-dots", flags->laser.min_share,
                    "gate for the laser: share of its dots on boards that have to belong to a beam")
       ->check(CLI::Range(0.0, 1.0))
@@ -202,7 +207,10 @@ void add_validate_verb(CLI::App& app) {
       "Example:\n  raybundle validate out/calibration.json --target chessboard:9x6:25mm --camera "
       "left='later/left*.jpg'\n"
       "Exit code 1 when a camera or the laser misses its gate.");
-  verb->callback([flags] { run(*flags); });
+  verb->callback([flags, verb] {
+    flags->laser_gate = verb->count("--max-plane") + verb->count("--min-dots") > 0;
+    run(*flags);
+  });
 }
 
 }  // namespace raybundle::apps

@@ -117,7 +117,10 @@ TEST(Detects, AndAsksForAModelOnlyWhereTheFileHoldsNone) {
                                      (place / "o.json").string()};
   EXPECT_THAT(raybundle_program(arguments).out, HasSubstr("--model MODEL"));
   arguments.insert(arguments.end(), {"--model", "brown_conrady"});
-  EXPECT_THAT(raybundle_program(arguments).out, ::testing::Not(HasSubstr("--model MODEL")));
+  const ProgramRun run = raybundle_program(arguments);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("raybundle calibrate --observations"));
+  EXPECT_THAT(run.out, ::testing::Not(HasSubstr("--model MODEL")));
 }
 
 TEST(DetectsNothing, OfTheOtherCharucoLayoutAndNamesTheSetting) {

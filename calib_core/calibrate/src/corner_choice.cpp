@@ -15,17 +15,21 @@
 namespace raybundle {
 namespace {
 
-constexpr double kReadmitted = 4.0;    // times the limit of outliers
-constexpr std::size_t kSwallowed = 4;  // corners for each unknown: of so few the fit swallows much of the noise
-constexpr std::size_t kFewOfView = 8;  // corners: of so few a single one turns the board
-constexpr int kFirstLook = 30;         // iterations
+constexpr double kReadmitted = 4.0;           // times the limit of outliers
+constexpr std::size_t kSwallowed = 4;         // corners for each unknown: of so few the fit swallows much of the noise
+constexpr std::size_t kFewOfView = 8;         // corners: of so few a single one turns the board
+constexpr int kFirstLook = 30;                // iterations
+constexpr std::size_t kMostExchanged = 1000;  // corners: of more no single one holds the lens
+constexpr std::size_t kMostPairs = 1000;      // that are tried
+constexpr std::size_t kMostViews = 100;       // of more no single one moves the lens
 
 std::size_t count_used(const std::vector<ObservationFate>& fates) {
   return static_cast<std::size_t>(std::ranges::count(fates, ObservationFate::kUsed));
 }
 
 bool swallows_noise(const CalibrationProblem& single, const BundleState& state) {
-  std::size_t unknowns = 6 * single.views.size();
+  std::size_t unknowns =
+      6 * static_cast<std::size_t>(std::ranges::count_if(state.pose_of_view, [](int pose) { return pose >= 0; }));
   for (const ParameterBlock& block : parameter_blocks(single)) unknowns += block.free().size();
   return count_used(state) <= kSwallowed * unknowns;
 }
@@ -88,15 +92,32 @@ bool readmit_corners(const CalibrationProblem& single, const CalibrateOptions& o
   return seen && take_if_more(single, *std::move(seen), options, solved);
 }
 
-// Whether a solve with other corners leads elsewhere, to where not plainly fewer corners are in use: one more may come
-// back at the end.
-bool leads_elsewhere(const CalibrationProblem& single, const CalibrateOptions& options, const BundleState& here,
-                     SolvedState& other) {
-  mark_outliers(single, other.state, options, other.reasons);
-  return other.state.fates != here.fates && count_used(other.state) + 1 >= count_used(here);
+/// A corner that was left out, to be taken in for another one of its view.
+struct DoubtfulCorner {
+  std::size_t view = 0, corner = 0;
+  double distance = 0.0;  // from its projection [sigmas]
+};
+
+// The corners that may be exchanged, the nearest first.
+std::vector<DoubtfulCorner> exchangeable_corners(const CalibrationProblem& single, const BundleState& state,
+                                                 double limit_sigmas) {
+  std::vector<DoubtfulCorner> corners;
+  for (std::size_t v = 0; v < single.views.size(); ++v) {
+    const bool few = count_used(state.fates[v]) <= kFewOfView;
+    const double limit = few ? std::numeric_limits<double>::infinity() : limit_sigmas;
+    const std::vector<std::size_t> doubtful = doubtful_corners(single, state, v, limit);
+    if (doubtful.empty()) continue;
+    const std::vector<Eigen::Vector2d> residuals = view_residuals(single, state, static_cast<int>(v));
+    for (const std::size_t i : doubtful) {
+      corners.push_back({v, i, residuals[i].norm() / single.views[v].observations[i].sigma_px});
+    }
+  }
+  std::ranges::stable_sort(corners, {}, &DoubtfulCorner::distance);
+  return corners;
 }
 
-// Takes in one doubtful corner instead of one of its view that is in use: the pair that fits best.
+// Takes in one doubtful corner instead of one of its view that is in use: the pair that fits best. A solve that leads
+// to plainly fewer corners in use is not followed: one more may come back at its end.
 bool exchange_corners(const CalibrationProblem& single, const CalibrateOptions& options, double limit_sigmas,
                       SolvedState& solved) {
   const SolvedState here = solved;
@@ -106,20 +127,22 @@ bool exchange_corners(const CalibrationProblem& single, const CalibrateOptions& 
     exchanged.fates[v][in] = ObservationFate::kUsed;
     exchanged.fates[v][out] = ObservationFate::kOutlier;
     std::optional<SolvedState> other = first_look(single, std::move(exchanged), options, here);
-    if (!other || !leads_elsewhere(single, options, here.state, *other)) return;
+    if (!other) return;
+    mark_outliers(single, other->state, options, other->reasons);
+    const bool elsewhere = other->state.fates != here.state.fates;
+    if (!elsewhere || count_used(other->state) + 1 < count_used(here.state)) return;
     other->summary = solve_without_outliers(single, other->state, options, false, other->reasons);
     if (!is_better(single, *other, solved, options)) return;
     solved = *std::move(other);
     found = true;
   };
-  for (std::size_t v = 0; v < single.views.size(); ++v) {
-    const std::vector<ObservationFate>& fates = here.state.fates[v];
-    const bool few = count_used(fates) <= kFewOfView;
-    const double limit = few ? std::numeric_limits<double>::infinity() : limit_sigmas;
-    for (const std::size_t in : doubtful_corners(single, here.state, v, limit)) {
-      for (std::size_t out = 0; out < fates.size(); ++out) {
-        if (fates[out] == ObservationFate::kUsed) try_pair(v, in, out);
-      }
+  std::size_t pairs = 0;
+  for (const DoubtfulCorner& in : exchangeable_corners(single, here.state, limit_sigmas)) {
+    const std::vector<ObservationFate>& fates = here.state.fates[in.view];
+    for (std::size_t out = 0; out < fates.size() && pairs < kMostPairs; ++out) {
+      if (fates[out] != ObservationFate::kUsed) continue;
+      try_pair(in.view, in.corner, out);
+      ++pairs;
     }
   }
   return found;
@@ -137,11 +160,12 @@ bool choose_corners_again(const CalibrationProblem& single, BundleState& state, 
                           std::vector<std::string>& reasons, BundleSummary& summary) {
   SolvedState solved{state, reasons, summary};
   const auto chosen_again = [&] {
-    if (readmit_views(single, options, solved) || win_back_views(single, options, solved)) return true;
+    const bool few_views = single.views.size() <= kMostViews;
+    if (few_views && (readmit_views(single, options, solved) || win_back_views(single, options, solved))) return true;
     if (!swallows_noise(single, state)) return false;
     const double limit_sigmas = kReadmitted * options.outlier_sigma * robust_sigmas(single, state)[0];
-    return readmit_corners(single, options, limit_sigmas, solved) ||
-           exchange_corners(single, options, limit_sigmas, solved);
+    if (readmit_corners(single, options, limit_sigmas, solved)) return true;
+    return count_used(state) <= kMostExchanged && exchange_corners(single, options, limit_sigmas, solved);
   };
   if (!chosen_again()) return false;
   state = std::move(solved.state);

@@ -60,8 +60,7 @@ void add_laser(const CalibrateOptions& options, const BundleOptions& bundle, dou
   if (solve.laser.sigma_scale > kMuchScatter) {
     with.warnings.push_back(
         fmt::format("the laser's dots lie {:.0f} times as far from their beams as their sigmas say; are their labels "
-                    "right, their u "
-                    "and v not exchanged, and the board flat?",
+                    "right, their u and v not exchanged, and the board flat?",
                     solve.laser.sigma_scale));
   }
   with.laser = std::move(solve.laser);

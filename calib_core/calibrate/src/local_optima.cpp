@@ -144,6 +144,17 @@ bool move_to_lower_by(const Move& move, const CalibrationProblem& single, Bundle
   return true;
 }
 
+// Moves to the lowest optimum of a lens that puts corners nearly where the state's does, as near as they can tell, if
+// it is lower: by more than noise makes it where it leaves open a lens that was not and that projects nearly alike.
+bool move_to_lower_alike(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
+                         CameraOptimum& optimum) {
+  const auto move = [&](BundleState& other, BundleSummary& summary) {
+    const std::vector<Camera> alike = cameras_alike(single, other, optimum.projection_sigma_px);
+    return move_to_lower(single, other, alike, options, summary);
+  };
+  return move_to_lower_by(move, single, state, options, optimum);
+}
+
 // How well the projection is known by other lenses that fit nearly as well, which the slopes at the optimum do not see:
 // the distance to such a lens over the sigmas by which it fits worse.
 double sigma_by_others_px(const CalibrationProblem& single, const BundleState& state, double cost,
@@ -188,15 +199,6 @@ std::vector<Eigen::Vector3d> rays_seen(const CalibrationProblem& single, const B
   std::vector<Eigen::Vector3d> some;
   for (std::size_t i = 0; i < rays.size(); i += stride) some.push_back(rays[i]);
   return some;
-}
-
-bool move_to_lower_alike(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
-                         CameraOptimum& optimum) {
-  const auto move = [&](BundleState& other, BundleSummary& summary) {
-    const std::vector<Camera> alike = cameras_alike(single, other, optimum.projection_sigma_px);
-    return move_to_lower(single, other, alike, options, summary);
-  };
-  return move_to_lower_by(move, single, state, options, optimum);
 }
 
 std::vector<std::optional<Rigid3>> mirrored_boards(const CalibrationProblem& single, const BundleState& state) {

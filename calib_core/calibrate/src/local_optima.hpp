@@ -19,8 +19,9 @@ struct CameraOptimum {
   double projection_sigma_px = 0.0;
 };
 
-/// Leaves the optima of a solved camera that lie beside the right one: boards held by their mirrored pose, and lenses
-/// whose model has a twin that fits better. The state changes only to one of lower cost.
+/// Leaves the optima of a solved camera that lie beside the right one: boards held by their mirrored pose, lenses whose
+/// model has a twin that fits better, views that were lost, and wrong corners among few. The state changes only to one
+/// of lower cost or, where other corners take part, that all corners fit better or more of them take part in.
 ///
 /// @param single   a problem with one camera
 /// @param reasons  aligned with problem.views
@@ -28,15 +29,6 @@ struct CameraOptimum {
 /// @return         with `solved` where nothing was better
 CameraOptimum leave_local_optima(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
                                  std::vector<std::string>& reasons, const BundleSummary& solved);
-
-/// Moves to the lowest optimum of a lens that puts corners nearly where the state's does, as near as they can tell, if
-/// it is lower than where the state is: by more than noise makes it where it leaves open a lens that was not and that
-/// projects nearly alike.
-///
-/// @param optimum  of the state; of the new one when it moves
-/// @return         whether it moved
-bool move_to_lower_alike(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
-                         CameraOptimum& optimum);
 
 /// Rays of corners in use, spread over the views, through the solved camera: some hundreds of them.
 std::vector<Eigen::Vector3d> rays_seen(const CalibrationProblem& single, const BundleState& state);

@@ -139,6 +139,15 @@ std::vector<double> sigmas_of(const CalibrationProblem& problem, const BundleSta
   return sigmas;
 }
 
+// Median of what the corners state.
+double usual_sigma_px(const CalibrationProblem& problem) {
+  std::vector<double> sigmas;
+  for (const TargetView& view : problem.views) {
+    for (const Observation& seen : view.observations) sigmas.push_back(seen.sigma_px);
+  }
+  return sigmas.empty() ? 1.0 : median(sigmas);
+}
+
 }  // namespace
 
 BundleOptions bundle_options(const CalibrateOptions& options) {
@@ -196,13 +205,15 @@ BundleSummary solve_robustly(const CalibrationProblem& problem, BundleState& sta
   BundleOptions bundle = bundle_options(options);
   bundle.settled = kRobustSettled;
   BundleSummary summary;
+  const double widest =
+      off_px > 0.0 ? kKeepsWeight * off_px / usual_sigma_px(problem) / options.robust_scale_sigma : 0.0;
   double previous = std::numeric_limits<double>::infinity();
   for (int round = 0; round < kMaxRounds; ++round) {
     double sigma = 0.0;
     for (double of_camera : robust_sigmas(problem, state)) {
       if (std::isfinite(of_camera)) sigma = std::max(sigma, of_camera);
     }
-    const double far_off = kKeepsWeight * off_px * std::pow(kNarrowed, round) / options.robust_scale_sigma;
+    const double far_off = widest * std::pow(kNarrowed, round);
     bundle.max_iterations = std::min(options.max_iterations, far_off > sigma ? kFarOffIterations : kRobustIterations);
     sigma = std::max(sigma, far_off);
     const bool under_way = summary.termination == Termination::kIterationLimit;

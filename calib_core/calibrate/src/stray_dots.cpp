@@ -19,8 +19,8 @@ constexpr double kUsuallyOnBeams = 0.9;
 constexpr int kFewestDots = 4;         // of a view, to tell something about its frame
 constexpr std::size_t kMostNamed = 6;  // frames
 
-// Dots of each view that beams should explain.
-std::vector<int> expected_dots(const LaserSolve& solve) {
+// Dots of each view that lie amid the points of its board.
+std::vector<int> dots_amid_boards(const LaserSolve& solve) {
   const CalibrationProblem& problem = solve.problem;
   const BundleState& state = solve.state;
   Calibration solved;
@@ -35,11 +35,11 @@ std::vector<int> expected_dots(const LaserSolve& solve) {
   for (const int pose : state.pose_of_view) {
     rig_from_target.push_back(pose < 0 ? std::nullopt : std::optional(state.poses[pose].rig_from_target));
   }
-  std::vector<int> expected;
+  std::vector<int> on_boards;
   for (const DotsOnBoard& of_view : dots_on_boards(solved, problem, rig_from_target)) {
-    expected.push_back(of_view.to_explain());
+    on_boards.push_back(of_view.dots);
   }
-  return expected;
+  return on_boards;
 }
 
 // The first of them, 9 before 10.
@@ -53,22 +53,22 @@ std::string list_of(std::vector<std::string> names) {
 }  // namespace
 
 std::optional<std::string> judge_stray_dots(const LaserSolve& solve) {
-  const std::vector<int> expected = expected_dots(solve);
+  const std::vector<int> on_boards = dots_amid_boards(solve);
   int all = 0, all_on_beams = 0;
   std::vector<std::string> strange;  // frames, each once
-  for (std::size_t v = 0; v < expected.size(); ++v) {
+  for (std::size_t v = 0; v < on_boards.size(); ++v) {
     const auto used = static_cast<int>(std::ranges::count(solve.state.dot_fates[v], ObservationFate::kUsed));
-    const int on_beams = std::min(used, expected[v]);
-    all += expected[v];
+    const int on_beams = std::min(used, on_boards[v]);
+    all += on_boards[v];
     all_on_beams += on_beams;
     const std::string& frame = solve.problem.frames[solve.problem.views[v].frame];
-    const bool mostly_stray = expected[v] >= kFewestDots && 2 * on_beams < expected[v];
+    const bool mostly_stray = on_boards[v] >= kFewestDots && on_beams < kLeastOnBeams * on_boards[v];
     if (mostly_stray && std::ranges::find(strange, frame) == strange.end()) strange.push_back(frame);
   }
   const std::string counted = fmt::format("{} of the {} laser dots on boards lie on a beam", all_on_beams, all);
   const char* causes =
       "did the projector move against the cameras, do the images with the laser on and off belong to the same poses, "
-      "and is the grid the right one?";
+      "is the grid the right one, and are its beams far enough apart?";
   if (all_on_beams < kLeastOnBeams * all) {
     throw Error(ErrorKind::kNotEnoughData, fmt::format("only {}; {}", counted, causes));
   }

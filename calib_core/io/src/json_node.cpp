@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "json_location.hpp"
 #include "raybundle/geometry/error.hpp"
@@ -16,22 +18,35 @@ namespace {
 
 constexpr int kMaxImageSide = 1'000'000;  // [px]; beyond that a width is a mistake
 
-// Refuses an object that has a key twice: only one of the values could be meant.
-class KeysOnce {
+// Refuses an object that has a key twice: only one of the values could be meant. A pass of its own, because the
+// parser's callback looks through a whole array behind each of its objects.
+class KeysOnce : public nlohmann::json_sax<nlohmann::json> {
  public:
-  explicit KeysOnce(const std::string& name) : name_(name) {}
+  explicit KeysOnce(std::string name) : name_(std::move(name)) {}
 
-  bool operator()(int, nlohmann::json::parse_event_t event, const nlohmann::json& value) {
-    using Event = nlohmann::json::parse_event_t;
-    if (event == Event::object_start) open_.emplace_back();
-    if (event == Event::object_end) open_.pop_back();
-    if (event == Event::key && !open_.back().insert(value.get<std::string>()).second) {
-      throw Error(ErrorKind::kBadInput,
-                  "the key " + in_quotes(value.get<std::string>()) + " stands twice in one object; leave one out",
-                  name_);
-    }
+  bool start_object(std::size_t) override {
+    open_.emplace_back();
     return true;
   }
+  bool end_object() override {
+    open_.pop_back();
+    return true;
+  }
+  bool key(std::string& key) override {
+    if (open_.back().insert(key).second) return true;
+    throw Error(ErrorKind::kBadInput, "the key " + in_quotes(key) + " stands twice in one object; leave one out",
+                name_);
+  }
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(number_integer_t) override { return true; }
+  bool number_unsigned(number_unsigned_t) override { return true; }
+  bool number_float(number_float_t, const std::string&) override { return true; }
+  bool string(std::string&) override { return true; }
+  bool binary(binary_t&) override { return true; }
+  bool start_array(std::size_t) override { return true; }
+  bool end_array() override { return true; }
+  bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override { return false; }
 
  private:
   std::string name_;
@@ -42,7 +57,10 @@ class KeysOnce {
 
 JsonDocument parse_json(std::string_view text, const std::string& name) {
   try {
-    return {text, name, nlohmann::json::parse(text.begin(), text.end(), KeysOnce(name))};
+    JsonDocument document{text, name, nlohmann::json::parse(text.begin(), text.end())};
+    KeysOnce once(name);
+    nlohmann::json::sax_parse(text.begin(), text.end(), &once);
+    return document;
   } catch (const nlohmann::json::exception&) {
     const std::size_t byte = byte_of_syntax_error(text);
     const std::string where = name + ":" + std::to_string(line_of_byte(text, byte));

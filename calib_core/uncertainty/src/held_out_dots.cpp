@@ -28,7 +28,7 @@ CalibratedTarget board_of(const Calibration& calibration, const Target& target) 
 }
 
 bool inside(const Eigen::Vector2d& pixel, ImageSize size) {
-  return pixel.minCoeff() >= 0.0 && pixel.x() < size.width && pixel.y() < size.height;
+  return pixel.minCoeff() >= -0.5 && pixel.x() < size.width - 0.5 && pixel.y() < size.height - 0.5;
 }
 
 /// Where the beams meet a board, for those that the camera sees there.
