@@ -159,7 +159,7 @@ std::string JsonNode::text() const {
 }
 
 std::string JsonNode::name() const {
-  const std::string value = text();
+  std::string value = text();
   if (value.empty()) fail("is empty; give it a name");
   return value;
 }
