@@ -51,6 +51,8 @@ LIBRARIES = {
 }
 
 MAX_LINES = 400
+NAMESPACE = re.compile(r"^namespace(?: ([\w:]+))? \{")
+TYPE = re.compile(r"^(?:struct|class|enum class) ([\w:]+)[^;]*\{")
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 SOURCES = (".cpp", ".hpp")
 IGNORED = ("build", "corpus", "__pycache__")  # folders; a corpus holds inputs, not sources
@@ -136,10 +138,25 @@ def check_source(root, path, lines):
                 yield number, sentence
 
 
+def shared_types(lines):
+    """(line, name with its namespaces) of each type that other files could mean by that name."""
+    namespaces = []
+    for number, line in enumerate(lines, 1):
+        opened = NAMESPACE.match(line)
+        if opened:
+            namespaces.append(opened.group(1) or "")
+        elif line.startswith("}  // namespace") and namespaces:
+            namespaces.pop()
+        defined = TYPE.match(line)
+        if defined and "" not in namespaces:
+            yield number, "::".join([*namespaces, defined.group(1)])
+
+
 def check_tree(root):
     """(path, line, sentence) for each offence in the tree."""
     root = Path(root)
     mrcal_users = []
+    defined_in = {}
     for path in project_files(root):
         if not (path.endswith(WITH_SPDX) or os.path.basename(path) == "CMakeLists.txt"):
             continue
@@ -149,6 +166,10 @@ def check_tree(root):
         if not path.endswith(SOURCES):
             continue
         yield from ((path, number, sentence) for number, sentence in check_source(root, path, lines))
+        for number, name in shared_types(lines) if module_of(path) in [*ARROWS, "apps"] else []:
+            first = defined_in.setdefault(name, path)
+            if first != path:
+                yield path, number, f"{name} is also in {first}: a program with both has two meanings for one name"
         if module_of(path) not in LEAVES and any("include <mrcal/" in line for line in lines):
             mrcal_users.append(path)
     for path in mrcal_users[1:]:

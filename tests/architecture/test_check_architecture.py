@@ -90,6 +90,16 @@ class CheckArchitecture(unittest.TestCase):
         second = dict([self.include_line("calib_core/io/src/b.cpp", "<mrcal/mrcal.h>")])
         self.assertIn("one adapter", offences(first | second)[0])
 
+    def test_finds_types_of_one_name(self):
+        def source(opening, closing):
+            return SPDX + f"namespace raybundle {{\n{opening}struct Spot {{}};\n{closing}}}  // namespace raybundle\n"
+
+        shared = {"targets/src/a.cpp": source("", "")}
+        self.assertEqual(offences(shared | {"runtime/stereo/src/b.cpp": source("namespace {\n", "}  // namespace\n")}), [])
+        found = offences(shared | {"runtime/stereo/src/b.cpp": source("", "")})
+        self.assertEqual(len(found), 1, found)
+        self.assertIn("raybundle::Spot is also in", found[0])
+
     def test_finds_what_every_file_must_have(self):
         path = "calib_core/scene/src/a"
         self.assert_offence(path + ".cpp", "int a;\n", "SPDX")

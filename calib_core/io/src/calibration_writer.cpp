@@ -119,7 +119,7 @@ OrderedJson json_from_covariance(const Covariance& covariance) {
 OrderedJson json_from_self_test(const std::vector<RigCamera>& cameras) {
   OrderedJson json = OrderedJson::array();
   for (const RigCamera& camera : cameras) {
-    for (const SelfTest& test : self_tests_of(camera)) {
+    for (const TestedPoint& test : self_tests_of(camera)) {
       json.push_back({{"camera", camera.name},
                       {"point_in_rig_m", json_from_vector(test.x_in_rig)},
                       {"ray_in_camera", json_from_vector(test.ray_in_camera)},

@@ -6,8 +6,8 @@
 
 namespace raybundle {
 
-std::vector<SelfTest> self_tests_of(const RigCamera& camera) {
-  std::vector<SelfTest> tests;
+std::vector<TestedPoint> self_tests_of(const RigCamera& camera) {
+  std::vector<TestedPoint> tests;
   for (const double v : {0.1, 0.5, 0.9}) {
     for (const double u : {0.1, 0.5, 0.9}) {
       const Eigen::Vector2d grid(u * (camera.camera.size.width - 1), v * (camera.camera.size.height - 1));

@@ -10,13 +10,13 @@
 namespace raybundle {
 
 /// A point that a camera sees, and where: who reads a calibration file checks model, parameters and transform by it.
-struct SelfTest {
+struct TestedPoint {
   Eigen::Vector3d x_in_rig;       ///< [m]
   Eigen::Vector3d ray_in_camera;  ///< unit
   Eigen::Vector2d pixel;
 };
 
 /// Points at one metre on the rays of a 3 x 3 grid of pixels; those whose pixel hangs on rounding are left out.
-std::vector<SelfTest> self_tests_of(const RigCamera& camera);
+std::vector<TestedPoint> self_tests_of(const RigCamera& camera);
 
 }  // namespace raybundle

@@ -218,8 +218,8 @@ Eigen::Matrix2d covariance_of(const Fit& fit, const GreyView& on, int u0, int v0
 
 }  // namespace
 
-std::optional<Spot> spot_centre(const GreyView& on, const GreyView& off, const Eigen::Vector2d& start,
-                                const SpotNoise& noise) {
+std::optional<MeasuredSpot> spot_centre(const GreyView& on, const GreyView& off, const Eigen::Vector2d& start,
+                                        const SpotNoise& noise) {
   const int u0 = static_cast<int>(start.x()), v0 = static_cast<int>(start.y());
   if (u0 < kHalf || v0 < kHalf || u0 + kHalf >= on.width || v0 + kHalf >= on.height) return std::nullopt;
   const bool difference = off.pixels != nullptr;
@@ -247,8 +247,9 @@ std::optional<Spot> spot_centre(const GreyView& on, const GreyView& off, const E
   if (peak < kLeastOverUnrest * fit->plane.sigma || is_defect(fit->light, on, u0, v0, peak, fit->sums.light)) {
     return std::nullopt;
   }
-  return Spot{fit->centre + Eigen::Vector2d(u0, v0), covariance_of(*fit, on, u0, v0, difference ? 2.0 : 1.0, noise),
-              std::sqrt(fit->widened(longer)), fit->sums.light};
+  return MeasuredSpot{fit->centre + Eigen::Vector2d(u0, v0),
+                      covariance_of(*fit, on, u0, v0, difference ? 2.0 : 1.0, noise), std::sqrt(fit->widened(longer)),
+                      fit->sums.light};
 }
 
 }  // namespace raybundle

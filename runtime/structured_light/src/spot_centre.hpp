@@ -15,7 +15,7 @@ struct SpotNoise {
   double grey_per_electron = 0.0;
 };
 
-struct Spot {
+struct MeasuredSpot {
   Eigen::Vector2d pixel;
   Eigen::Matrix2d covariance_px2;
   double major_sigma_px = 0.0;  ///< of the spot's light, along its longer axis
@@ -26,7 +26,7 @@ struct Spot {
 /// ridge or an edge.
 ///
 /// @param off  image without the laser, or a view without pixels
-std::optional<Spot> spot_centre(const GreyView& on, const GreyView& off, const Eigen::Vector2d& start,
-                                const SpotNoise& noise);
+std::optional<MeasuredSpot> spot_centre(const GreyView& on, const GreyView& off, const Eigen::Vector2d& start,
+                                        const SpotNoise& noise);
 
 }  // namespace raybundle
