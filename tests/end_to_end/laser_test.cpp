@@ -115,13 +115,18 @@ fs::path turned_rig(const fs::path& folder) {
   return folder / "turned.toml";
 }
 
-TEST(Laser, AProjectorThatHasMovedIsToldFromAWarmerOne) {
-  const fs::path folder = fresh_folder();
+/// sim/ and moved/, of the same boards, with the projector as it was and turned.
+void simulate_before_and_after_a_turn(const fs::path& folder) {
   ASSERT_EQ(simulate(folder / "sim", {"--frames", "40", "--seed", "7", "--no-images"}).exit_code, 0);
   ASSERT_EQ(raybundle_program({"simulate", turned_rig(folder).string(), "-o", (folder / "moved").string(), "--frames",
                                "40", "--seed", "7", "--no-images"})
                 .exit_code,
             0);
+}
+
+TEST(Laser, AProjectorThatHasMovedIsToldFromAWarmerOne) {
+  const fs::path folder = fresh_folder();
+  simulate_before_and_after_a_turn(folder);
   calibrate(folder, {"--observations", (folder / "sim/observations.json").string()});
   const std::vector<std::string> held_out{"validate", (folder / "out/calibration.json").string(), "--observations",
                                           (folder / "moved/observations.json").string()};
@@ -144,11 +149,7 @@ nlohmann::json with_dots_of(nlohmann::json observations, const nlohmann::json& o
 
 TEST(Laser, AProjectorThatMovesOnTheWayIsNamedAndNotAveragedIn) {
   const fs::path folder = fresh_folder();
-  ASSERT_EQ(simulate(folder / "sim", {"--frames", "40", "--seed", "7", "--no-images"}).exit_code, 0);
-  ASSERT_EQ(raybundle_program({"simulate", turned_rig(folder).string(), "-o", (folder / "moved").string(), "--frames",
-                               "40", "--seed", "7", "--no-images"})
-                .exit_code,
-            0);
+  simulate_before_and_after_a_turn(folder);
   const nlohmann::json before = json_of(folder / "sim/observations.json");
   const nlohmann::json after = json_of(folder / "moved/observations.json");
   write_text(folder / "last.json", with_dots_of(before, after, 36).dump());
