@@ -131,22 +131,13 @@ CalibrationResult for_whole_problem(const CalibrationProblem& whole, const std::
   return result;
 }
 
-/// A camera that the others are calibrated without, and why.
-struct LeftOut {
-  int camera = 0;
-  std::string reason;
-};
-
-CalibrationResult calibrate_in_order(CalibrationProblem problem, const CalibrateOptions& options,
-                                     const std::optional<LeftOut>& left_out = {}) {
+// All cameras that could be calibrated alone, as one rig.
+//
+// @param stages  the times of what went before
+CalibrationResult calibrate_together(CalibrationProblem problem, const CamerasAlone& alone,
+                                     const CalibrateOptions& options, const std::vector<StageTime>& stages) {
   CalibrationResult result;
-
-  // Each camera alone, then all that could be calibrated as one rig.
-  CamerasAlone alone = solve_cameras_alone(problem, options, result.stages);
-  if (left_out) {
-    alone.cameras[left_out->camera].reset();
-    alone.why_not[left_out->camera] = left_out->reason;
-  }
+  result.stages = stages;
   std::vector<int> cameras;
   for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
     if (alone.cameras[c]) cameras.push_back(c);
@@ -216,14 +207,17 @@ CalibrationResult calibrate_in_order(CalibrationProblem problem, const Calibrate
 
 // Of three cameras or more, one whose images are of other moments does not cost the rig: the rest is calibrated
 // without it. Nothing when no camera is such.
-std::optional<CalibrationResult> calibrate_without_one(const CalibrationProblem& problem,
-                                                       const CalibrateOptions& options, const Error& refusal) {
+std::optional<CalibrationResult> calibrate_without_one(const CalibrationProblem& problem, const CamerasAlone& alone,
+                                                       const CalibrateOptions& options,
+                                                       const std::vector<StageTime>& stages, const Error& refusal) {
   if (problem.cameras.size() < 3 || refusal.kind() != ErrorKind::kNotEnoughData) return std::nullopt;
   const OrderedProblem ordered = in_order_of_content(problem);
-  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
-    const std::string reason = "camera " + problem.cameras[c].name + " is left out, because with it " + refusal.what();
+  for (std::size_t c = 0; c < problem.cameras.size(); ++c) {
+    CamerasAlone others = alone;
+    others.cameras[c].reset();
+    others.why_not[c] = "camera " + problem.cameras[c].name + " is left out, because with it " + refusal.what();
     try {
-      return in_given_order(ordered, calibrate_in_order(ordered.problem, options, LeftOut{c, reason}));
+      return in_given_order(ordered, calibrate_together(ordered.problem, others, options, stages));
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::kNotEnoughData) throw;
     }
@@ -237,10 +231,12 @@ CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOp
   check(problem);
   parameter_blocks(problem);  // refuses rules that match nothing
   OrderedProblem ordered = in_order_of_content(problem);
+  std::vector<StageTime> stages;
+  const CamerasAlone alone = solve_cameras_alone(ordered.problem, options, stages);
   try {
-    return in_given_order(ordered, calibrate_in_order(std::move(ordered.problem), options));
+    return in_given_order(ordered, calibrate_together(std::move(ordered.problem), alone, options, stages));
   } catch (const Error& refusal) {
-    if (auto result = calibrate_without_one(problem, options, refusal)) return std::move(*result);
+    if (auto result = calibrate_without_one(problem, alone, options, stages, refusal)) return std::move(*result);
     throw;
   }
 }
