@@ -3,6 +3,7 @@
 #include "corner_choice.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -34,15 +35,22 @@ bool swallows_noise(const CalibrationProblem& single, const BundleState& state) 
   return count_used(state) <= kSwallowed * unknowns;
 }
 
-// Corners of a view that were left out but may be right.
-std::vector<std::size_t> doubtful_corners(const CalibrationProblem& single, const BundleState& state, std::size_t v,
-                                          double limit_sigmas) {
-  std::vector<std::size_t> doubtful;
+/// A corner that was left out but may be right.
+struct DoubtfulCorner {
+  std::size_t view = 0, corner = 0;
+  double distance = 0.0;  // from its projection [sigmas]
+};
+
+// Those of a view that are not too far away.
+std::vector<DoubtfulCorner> doubtful_corners(const CalibrationProblem& single, const BundleState& state, std::size_t v,
+                                             double limit_sigmas) {
+  std::vector<DoubtfulCorner> doubtful;
   if (state.pose_of_view[v] < 0) return doubtful;
   const std::vector<Eigen::Vector2d> residuals = view_residuals(single, state, static_cast<int>(v));
   for (std::size_t i = 0; i < residuals.size(); ++i) {
-    const bool near = residuals[i].norm() <= limit_sigmas * single.views[v].observations[i].sigma_px;
-    if (near && state.fates[v][i] == ObservationFate::kOutlier) doubtful.push_back(i);
+    const double distance = residuals[i].norm() / single.views[v].observations[i].sigma_px;
+    if (distance <= limit_sigmas && state.fates[v][i] == ObservationFate::kOutlier)
+      doubtful.push_back({v, i, distance});
   }
   return doubtful;
 }
@@ -82,8 +90,8 @@ bool readmit_corners(const CalibrationProblem& single, const CalibrateOptions& o
   BundleState other = solved.state;
   bool any = false;
   for (std::size_t v = 0; v < single.views.size(); ++v) {
-    for (const std::size_t i : doubtful_corners(single, solved.state, v, limit_sigmas)) {
-      other.fates[v][i] = ObservationFate::kUsed;
+    for (const DoubtfulCorner& doubtful : doubtful_corners(single, solved.state, v, limit_sigmas)) {
+      other.fates[v][doubtful.corner] = ObservationFate::kUsed;
       any = true;
     }
   }
@@ -92,25 +100,14 @@ bool readmit_corners(const CalibrationProblem& single, const CalibrateOptions& o
   return seen && take_if_more(single, *std::move(seen), options, solved);
 }
 
-/// A corner that was left out, to be taken in for another one of its view.
-struct DoubtfulCorner {
-  std::size_t view = 0, corner = 0;
-  double distance = 0.0;  // from its projection [sigmas]
-};
-
-// The corners that may be exchanged, the nearest first.
+// The corners that may be taken in for another one of their view, the nearest first.
 std::vector<DoubtfulCorner> exchangeable_corners(const CalibrationProblem& single, const BundleState& state,
                                                  double limit_sigmas) {
   std::vector<DoubtfulCorner> corners;
   for (std::size_t v = 0; v < single.views.size(); ++v) {
     const bool few = count_used(state.fates[v]) <= kFewOfView;
     const double limit = few ? std::numeric_limits<double>::infinity() : limit_sigmas;
-    const std::vector<std::size_t> doubtful = doubtful_corners(single, state, v, limit);
-    if (doubtful.empty()) continue;
-    const std::vector<Eigen::Vector2d> residuals = view_residuals(single, state, static_cast<int>(v));
-    for (const std::size_t i : doubtful) {
-      corners.push_back({v, i, residuals[i].norm() / single.views[v].observations[i].sigma_px});
-    }
+    std::ranges::copy(doubtful_corners(single, state, v, limit), std::back_inserter(corners));
   }
   std::ranges::stable_sort(corners, {}, &DoubtfulCorner::distance);
   return corners;
@@ -158,11 +155,12 @@ std::size_t count_used(const BundleState& state) {
 
 bool choose_corners_again(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
                           std::vector<std::string>& reasons, BundleSummary& summary) {
+  const bool few_views = single.views.size() <= kMostViews, few_corners = swallows_noise(single, state);
+  if (!few_views && !few_corners) return false;  // nor is anything copied
   SolvedState solved{state, reasons, summary};
   const auto chosen_again = [&] {
-    const bool few_views = single.views.size() <= kMostViews;
     if (few_views && (readmit_views(single, options, solved) || win_back_views(single, options, solved))) return true;
-    if (!swallows_noise(single, state)) return false;
+    if (!few_corners) return false;
     const double limit_sigmas = kReadmitted * options.outlier_sigma * robust_sigmas(single, state)[0];
     if (readmit_corners(single, options, limit_sigmas, solved)) return true;
     return count_used(state) <= kMostExchanged && exchange_corners(single, options, limit_sigmas, solved);
