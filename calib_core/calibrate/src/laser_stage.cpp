@@ -207,7 +207,7 @@ bool has_dots(const CalibrationProblem& problem) {
 
 LaserSolve solve_with_dots(const CalibrationProblem& problem, const BundleState& cameras, double corner_scale,
                            const CalibrateOptions& options, const BundleOptions& bundle) {
-  LaserSolve solve{problem, cameras, bundle, {}, {}, {}};
+  LaserSolve solve{problem, cameras, bundle, {}, {}, {}, {}};
   const BeamStart start = initialize_beams(scene_of(problem, cameras));
   scale_corners(solve.problem, corner_scale);
   weigh_lens_priors(solve.problem, solve.state);
@@ -218,6 +218,7 @@ LaserSolve solve_with_dots(const CalibrationProblem& problem, const BundleState&
                    .grating = start.grating,
                    .zero_order_row = start.zero_order_row,
                    .zero_order_column = start.zero_order_column};
+  solve.on_board = start.on_board;
   solve.laser.label_origin = start.origin;
   solve.laser.origin_guessed = start.origin_guessed;
   solve.laser.grating_rms_rad = start.grating_rms_rad;

@@ -15,6 +15,7 @@ struct LaserSolve {
   BundleSummary summary;
   LaserPattern pattern;  ///< beams without their covariances
   LaserSummary laser;
+  std::vector<std::vector<bool>> on_board;  ///< aligned with problem.views and their dots
 };
 
 bool has_dots(const CalibrationProblem& problem);

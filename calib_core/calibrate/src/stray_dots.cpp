@@ -3,13 +3,13 @@
 #include "stray_dots.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <utility>
 #include <vector>
 
 #include "raybundle/geometry/error.hpp"
-#include "raybundle/uncertainty/held_out_dots.hpp"
 
 namespace raybundle {
 namespace {
@@ -19,50 +19,26 @@ constexpr double kUsuallyOnBeams = 0.9;
 constexpr int kFewestDots = 4;         // of a view, to tell something about its frame
 constexpr std::size_t kMostNamed = 6;  // frames
 
-// Dots of each view that lie amid the points of its board.
-std::vector<int> dots_amid_boards(const LaserSolve& solve) {
-  const CalibrationProblem& problem = solve.problem;
-  const BundleState& state = solve.state;
-  Calibration solved;
-  for (std::size_t c = 0; c < problem.cameras.size(); ++c) {
-    solved.cameras.push_back({problem.cameras[c].name, state.cameras[c], state.camera_from_rig[c]});
-  }
-  for (std::size_t t = 0; t < problem.targets.size(); ++t) {
-    solved.targets.push_back({problem.targets[t], state.shapes[t]});
-  }
-  solved.laser = solve.pattern;
-  std::vector<std::optional<Rigid3>> rig_from_target;
-  for (const int pose : state.pose_of_view) {
-    rig_from_target.push_back(pose < 0 ? std::nullopt : std::optional(state.poses[pose].rig_from_target));
-  }
-  std::vector<int> on_boards;
-  for (const DotsOnBoard& of_view : dots_on_boards(solved, problem, rig_from_target)) {
-    on_boards.push_back(of_view.dots);
-  }
-  return on_boards;
-}
-
 // The first of them, 9 before 10.
 std::string list_of(std::vector<std::string> names) {
   std::ranges::sort(names, {}, [](const std::string& name) { return std::pair(name.size(), name); });
-  std::string text;
-  for (std::size_t i = 0; i < std::min(names.size(), kMostNamed); ++i) text += (i > 0 ? ", " : "") + names[i];
-  return names.size() > kMostNamed ? text + ", ..." : text;
+  const bool all_named = names.size() <= kMostNamed;
+  names.resize(std::min(names.size(), kMostNamed));
+  return fmt::format("{}{}", fmt::join(names, ", "), all_named ? "" : ", ...");
 }
 
 }  // namespace
 
 std::optional<std::string> judge_stray_dots(const LaserSolve& solve) {
-  const std::vector<int> on_boards = dots_amid_boards(solve);
   int all = 0, all_on_beams = 0;
   std::vector<std::string> strange;  // frames, each once
-  for (std::size_t v = 0; v < on_boards.size(); ++v) {
-    const auto used = static_cast<int>(std::ranges::count(solve.state.dot_fates[v], ObservationFate::kUsed));
-    const int on_beams = std::min(used, on_boards[v]);
-    all += on_boards[v];
+  for (std::size_t v = 0; v < solve.on_board.size(); ++v) {
+    const auto dots = static_cast<int>(std::ranges::count(solve.on_board[v], true));
+    const auto on_beams = static_cast<int>(std::ranges::count(solve.state.dot_fates[v], ObservationFate::kUsed));
+    all += dots;
     all_on_beams += on_beams;
     const std::string& frame = solve.problem.frames[solve.problem.views[v].frame];
-    const bool mostly_stray = on_boards[v] >= kFewestDots && on_beams < kLeastOnBeams * on_boards[v];
+    const bool mostly_stray = dots >= kFewestDots && on_beams < kLeastOnBeams * dots;
     if (mostly_stray && std::ranges::find(strange, frame) == strange.end()) strange.push_back(frame);
   }
   const std::string counted = fmt::format("{} of the {} laser dots on boards lie on a beam", all_on_beams, all);

@@ -137,8 +137,7 @@ Candidate beam_of_hit(const BeamHit& hit, const BeamLines& fitted, const BeamSta
   return ambiguous ? Candidate{} : best;
 }
 
-void label_dots(const LaserScene& scene, const std::vector<std::vector<bool>>& on_board,
-                const std::vector<BeamHit>& hits, const BeamLines& lines, BeamStart& start) {
+void label_dots(const LaserScene& scene, const std::vector<BeamHit>& hits, const BeamLines& lines, BeamStart& start) {
   const std::vector<TargetView>& views = scene.problem.views;
   std::map<std::pair<int, int>, std::pair<double, int>> taken;  // (view, beam) -> (squared sigmas, hit)
   std::vector<int> label(hits.size(), kUnlabelled);
@@ -155,7 +154,7 @@ void label_dots(const LaserScene& scene, const std::vector<std::vector<bool>>& o
   start.beam_of_dot.resize(views.size());
   for (std::size_t v = 0; v < views.size(); ++v) {
     for (std::size_t d = 0; d < views[v].dots.size(); ++d) {
-      start.beam_of_dot[v].push_back(on_board[v][d] ? views[v].dots[d].beam : kUnlabelled);
+      start.beam_of_dot[v].push_back(start.on_board[v][d] ? views[v].dots[d].beam : kUnlabelled);
     }
   }
   for (std::size_t i = 0; i < hits.size(); ++i) start.beam_of_dot[hits[i].view][hits[i].dot] = label[i];
@@ -167,14 +166,14 @@ void label_dots(const LaserScene& scene, const std::vector<std::vector<bool>>& o
 }  // namespace
 
 BeamStart initialize_beams(const LaserScene& scene) {
-  const std::vector<std::vector<bool>> on_board = dots_on_boards(scene);
-  const std::vector<BeamHit> hits = hits_on_boards(scene, on_board);
   BeamStart start;
+  start.on_board = dots_on_boards(scene);
+  const std::vector<BeamHit> hits = hits_on_boards(scene, start.on_board);
   BeamLines lines = labelled_lines(scene.problem, hits);
   start.origin = "the labels given";
   if (lines.empty()) lines = unlabelled_lines(scene, hits, start);
   fit_common_model(scene, lines, start);
-  label_dots(scene, on_board, hits, lines, start);
+  label_dots(scene, hits, lines, start);
   return start;
 }
 

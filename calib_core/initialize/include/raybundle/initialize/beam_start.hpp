@@ -23,6 +23,7 @@ struct LaserScene {
 /// Which beam made each dot, and where the beams are: good enough for the bundle to converge from.
 struct BeamStart {
   std::vector<std::vector<int>> beam_of_dot;  ///< aligned with problem.views and their dots; or kUnlabelled
+  std::vector<std::vector<bool>> on_board;    ///< aligned with the same: whether the dot lies on its board
   std::vector<std::optional<Line3>> lines;    ///< by beam: in the rig frame, pointing away from the projector
   std::optional<Grating> grating;             ///< common model of the lines, when they follow one
   double grating_rms_rad = 0.0;               ///< angle between the lines and the model's, root mean square
