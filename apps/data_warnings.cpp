@@ -50,10 +50,12 @@ bool same_image(const TargetView& a, const TargetView& b) {
   return 2 * same.size() > a.observations.size();
 }
 
+using FramesOfCameras = std::map<std::pair<int, int>, std::set<int>>;
+
 // Pairs of cameras that were given the same images.
 std::vector<std::string> shared_image_warnings(const CalibrationProblem& problem) {
   std::map<int, std::vector<const TargetView*>> views_of_frame;
-  std::map<std::pair<int, int>, std::set<int>> frames;  // that show the same, by cameras
+  FramesOfCameras frames;  // that show the same
   for (const TargetView& view : problem.views) {
     for (const TargetView* other : views_of_frame[view.frame]) {
       if (other->camera == view.camera || !same_image(view, *other)) continue;
@@ -86,9 +88,8 @@ std::string exchanged_sides_warning(const Calibration& calibration) {
 }
 
 // Frames that do not link two cameras as they are, but would if their images were exchanged.
-std::vector<std::string> exchanged_frames_warnings(const CalibrationProblem& problem, const CalibrationResult& result) {
+FramesOfCameras exchanged_frames(const CalibrationProblem& problem, const CalibrationResult& result) {
   constexpr double kPlainlyNearer = 0.35;  // each image was posed with the other camera's lens
-  constexpr std::size_t kMostNamed = 20;   // frames
   const auto camera_from_rig = [&](int view) -> const Rigid3& {
     return camera_named(result.calibration, problem.cameras[problem.views[view].camera].name).camera_from_rig;
   };
@@ -100,7 +101,7 @@ std::vector<std::string> exchanged_frames_warnings(const CalibrationProblem& pro
   for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
     if (result.views[v].pose >= 0) posed_views[{problem.views[v].frame, problem.views[v].target}].push_back(v);
   }
-  std::map<std::pair<int, int>, std::set<int>> frames;  // by cameras
+  FramesOfCameras frames;
   for (const SetAside& aside : result.set_aside) {
     const TargetView& here = problem.views[aside.view];
     if (aside.scope != SetAside::Scope::kExtrinsics || result.views[aside.view].pose < 0) continue;
@@ -114,8 +115,13 @@ std::vector<std::string> exchanged_frames_warnings(const CalibrationProblem& pro
       }
     }
   }
+  return frames;
+}
+
+std::vector<std::string> exchanged_frames_warnings(const CalibrationProblem& problem, const CalibrationResult& result) {
+  constexpr std::size_t kMostNamed = 20;  // frames
   std::vector<std::string> warnings;
-  for (const auto& [cameras, exchanged] : frames) {
+  for (const auto& [cameras, exchanged] : exchanged_frames(problem, result)) {
     std::vector<std::string> names;
     for (const int frame : exchanged) names.push_back(problem.frames[frame]);
     const bool all_named = names.size() <= kMostNamed;

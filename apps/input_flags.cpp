@@ -20,12 +20,17 @@ namespace {
 
 [[noreturn]] void refuse(const std::string& message) { throw Error(ErrorKind::kBadInput, message); }
 
+// NAME=VALUE of a camera that there is not would have no effect.
 template <typename Cameras>
-[[noreturn]] void refuse_unknown_camera(const std::string& flag, const std::string& value, const Cameras& cameras) {
+void require_named_cameras(const std::string& flag, const std::vector<std::string>& values, const Cameras& cameras) {
   std::vector<std::string> names;
   for (const auto& camera : cameras) names.push_back(camera.name);
-  refuse(fmt::format("{} '{}' names a camera that does not exist.{}", flag, value,
-                     did_you_mean(value.substr(0, value.find('=')), names)));
+  for (const std::string& value : values) {
+    const std::size_t equals = value.find('=');
+    const std::string name = value.substr(0, equals);
+    if (equals == std::string::npos || std::ranges::find(names, name) != names.end()) continue;
+    refuse(fmt::format("{} '{}' names a camera that does not exist.{}", flag, value, did_you_mean(name, names)));
+  }
 }
 
 std::pair<std::string, std::string> name_and_value(const std::string& flag, const std::string& example) {
@@ -56,14 +61,11 @@ void set_models(const std::vector<std::string>& flags, std::vector<DatasetCamera
     const std::size_t equals = flag.find('=');
     const std::string model = flag.substr(equals == std::string::npos ? 0 : equals + 1);
     model_from_name(model, "--model");
-    bool known = equals == std::string::npos;
     for (DatasetCamera& camera : cameras) {
-      if (equals != std::string::npos && camera.name != flag.substr(0, equals)) continue;
-      camera.model = model;
-      known = true;
+      if (equals == std::string::npos || camera.name == flag.substr(0, equals)) camera.model = model;
     }
-    if (!known) refuse_unknown_camera("--model", flag, cameras);
   }
+  require_named_cameras("--model", flags, cameras);
 }
 
 Board board_of(const std::string& text) {
@@ -73,17 +75,6 @@ Board board_of(const std::string& text) {
 bool is_json(const std::string& path) { return path.ends_with(".json"); }
 
 bool is_vnl(const std::string& path) { return path.ends_with(".vnl"); }
-
-// NAME=VALUE of a camera that there is not would have no effect.
-void require_named_cameras(const std::string& flag, const std::vector<std::string>& values,
-                           const std::vector<ProblemCamera>& cameras) {
-  for (const std::string& value : values) {
-    const std::size_t equals = value.find('=');
-    if (equals == std::string::npos) continue;
-    if (std::ranges::find(cameras, value.substr(0, equals), &ProblemCamera::name) != cameras.end()) continue;
-    refuse_unknown_camera(flag, value, cameras);
-  }
-}
 
 // A flag without effect would be believed to have had one.
 void refuse_idle_flags(const InputFlags& flags) {

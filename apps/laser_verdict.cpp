@@ -43,9 +43,8 @@ void judge_wavelength(const Calibration& calibration, const CalibrationProblem& 
   Calibration retuned = calibration;
   retuned.laser = at_wavelength(*calibration.laser, wavelength->scale);
   const auto explained = static_cast<int>(explain_dots(retuned, observed, rig_from_target, tolerance_px).size());
-  if (explained < kAboutAsMany * static_cast<double>(verdict.explained.size()) ||
-      explained < verdict.min_share * verdict.expected)
-    return;
+  const bool about_as_many = explained >= kAboutAsMany * static_cast<double>(verdict.explained.size());
+  if (!about_as_many || explained < verdict.min_share * verdict.expected) return;
   verdict.wavelength = wavelength;
   verdict.explained_retuned = explained;
 }

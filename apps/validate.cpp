@@ -167,10 +167,7 @@ void run(const ValidateFlags& flags) {
       say(fmt::format("set aside: {}: {}", view_name(problem, problem.views[aside.view]), aside.reason));
     }
     if (gate_without_laser) {
-      fmt::print(
-          "FAIL  laser: there is nothing to judge by --max-plane or --min-dots, no beams in the calibration or no "
-          "laser in "
-          "these data\n");
+      fmt::print("FAIL  laser: nothing to judge, no beams in the calibration or no laser in these data\n");
     }
     if (dots && !dots->passed()) fmt::print("FAIL  {}\n", why_failed(*dots));
     const bool cameras_passed = std::ranges::all_of(verdicts, &CameraVerdict::passed);

@@ -146,6 +146,21 @@ fs::path calibrated_pairs(const std::string& images) {
   return folder;
 }
 
+// Reconstructs pairs of its images by that calibration.
+ProgramRun reconstruct_pairs(const fs::path& folder, const std::string& left, const std::string& right,
+                             const std::vector<std::string>& flags) {
+  const std::string images = real_data("opencv_stereo_chess").string() + "/";
+  std::vector<std::string> words{"reconstruct",
+                                 "stereo",
+                                 (folder / "out" / "calibration.json").string(),
+                                 images + left,
+                                 images + right,
+                                 "-o",
+                                 (folder / "points").string()};
+  words.insert(words.end(), flags.begin(), flags.end());
+  return raybundle_program(words);
+}
+
 // Images of two rooms: what little matches is chance, and the gate has to say so.
 TEST(ReconstructStereo, FailsTheGateForImagesThatHaveNothingInCommon) {
   RAYBUNDLE_NEEDS_DATA("opencv_stereo_chess");
@@ -192,11 +207,9 @@ TEST(ReconstructStereo, FailsTheGateForACoveredCamera) {
 // Some of what is exchanged matches by chance, more than the gate asks for.
 TEST(ReconstructStereo, SaysThatLeftAndRightAreExchanged) {
   RAYBUNDLE_NEEDS_DATA("opencv_stereo_chess");
-  const std::string images = real_data("opencv_stereo_chess").string() + "/";
-  const fs::path folder = calibrated_pairs(images);
+  const fs::path folder = calibrated_pairs(real_data("opencv_stereo_chess").string() + "/");
   const auto run = [&](const char* left, const char* right) {
-    return raybundle_program({"reconstruct", "stereo", (folder / "out" / "calibration.json").string(), images + left,
-                              images + right, "-o", (folder / "points").string(), "--least-matched", "1"});
+    return reconstruct_pairs(folder, left, right, {"--least-matched", "1"});
   };
   const ProgramRun straight = run("left0[35].jpg", "right0[35].jpg"),
                    exchanged = run("right0[35].jpg", "left0[35].jpg");
@@ -207,11 +220,9 @@ TEST(ReconstructStereo, SaysThatLeftAndRightAreExchanged) {
 
 TEST(ReconstructStereo, NamesImagesThatAreNoPairs) {
   RAYBUNDLE_NEEDS_DATA("opencv_stereo_chess");
-  const std::string images = real_data("opencv_stereo_chess").string() + "/";
-  const fs::path folder = calibrated_pairs(images);
+  const fs::path folder = calibrated_pairs(real_data("opencv_stereo_chess").string() + "/");
   const auto run = [&](const char* left, const char* right) {
-    return raybundle_program({"reconstruct", "stereo", (folder / "out" / "calibration.json").string(), images + left,
-                              images + right, "-o", (folder / "points").string(), "--width", "99"});
+    return reconstruct_pairs(folder, left, right, {"--width", "99"});
   };
   const ProgramRun few = run("left0[12].jpg", "right0[1-3].jpg");
   EXPECT_NE(few.err.find("1 of 3 right images have no left one"), std::string::npos) << few.err;
