@@ -14,7 +14,7 @@ struct KillOptions {
   std::filesystem::path program;
   std::vector<std::string> arguments;  ///< without -o
   std::filesystem::path folder;        ///< of the test: output/ and cache/ are made in it
-  int kills = 200;  ///< runs to be killed, apart from those that are done before the signal
+  int kills = 200;                     ///< runs to be killed, apart from those that are done before the signal
   unsigned seed = 1;
 };
 

@@ -27,7 +27,7 @@ template <CameraModel M, typename Number>
 template <CameraModel M>
 RAYBUNDLE_TARGET_CLONES [[gnu::flatten]] void project(const double* shape, const Eigen::MatrixX3d& rays,
                                                       Eigen::MatrixX2d& plane) {
-  for_each_in_lanes<TakesLanes<M>>(
+  for_each_in_lanes(
       rays.rows(),
       [&]<typename Number>(Eigen::Index row)
           __attribute__((always_inline)) { return project_at<M, Number>(shape, rays, row, plane); },

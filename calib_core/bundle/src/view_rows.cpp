@@ -59,7 +59,7 @@ template <CameraModel M>
 RAYBUNDLE_TARGET_CLONES [[gnu::flatten]] bool project(const ViewData& view, const ViewPoint& point,
                                                       const MotionMap& map, Corners& corners, ViewRows& rows) {
   bool all = true;
-  for_each_in_lanes<TakesLanes<M>>(
+  for_each_in_lanes(
       static_cast<Eigen::Index>(rows.corners),
       [&]<typename Number>(Eigen::Index i)
           __attribute__((always_inline)) { return project_at<M, Number>(i, view, point, map, corners, rows); },

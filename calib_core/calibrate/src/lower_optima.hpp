@@ -26,9 +26,8 @@ bool move_to_lower(const CalibrationProblem& single, BundleState& state, const s
 
 /// The same from other states, whose boards have followed their cameras; all views tell.
 ///
-/// @param others  where solves begin; then where they have come to after some steps, without those that broke down or
-/// spoil
-///                the lens
+/// @param others  where solves begin; then where they have come to after some steps, without those that broke down
+///                or spoil the lens
 bool move_to_lower(const CalibrationProblem& single, BundleState& state, std::vector<CostedState>& others,
                    const CalibrateOptions& options, BundleSummary& summary);
 

@@ -83,7 +83,7 @@ template <CameraModel M, typename Number>
 
 template <CameraModel M>
 RAYBUNDLE_TARGET_CLONES [[gnu::flatten]] void squared_distances(const Seen& seen, double* distances2) {
-  for_each_in_lanes<TakesLanes<M>>(
+  for_each_in_lanes(
       seen.view.points.size(),
       [&]<typename Number>(std::size_t i)
           __attribute__((always_inline)) { return squared_distance<M, Number>(seen, i, distances2 + i); },
@@ -127,7 +127,7 @@ template <CameraModel M, typename Number>
 
 template <CameraModel M>
 RAYBUNDLE_TARGET_CLONES [[gnu::flatten]] void linearise(const Seen& seen, double scale2, LensRows& rows) {
-  for_each_in_lanes<TakesLanes<M>>(
+  for_each_in_lanes(
       seen.view.points.size(),
       [&]<typename Number>(std::size_t i)
           __attribute__((always_inline)) { return linearise_at<M, Number>(seen, i, scale2, rows); },

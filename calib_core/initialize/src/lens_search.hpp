@@ -16,8 +16,8 @@ struct LensGuess {
   double score_px = 0.0;      ///< how far corners are off, without the worst corners and views
 };
 
-/// How well a lens and its poses explain the views [px]: mean over the best 70 % of views of the mean over the best 80
-/// % of their corners. Wrong corners and wrong views do not count, and there is no reward for leaving a corner out.
+/// How well a lens and its poses explain the views [px]: mean over the best 70 % of views of the mean over the best
+/// 80 % of their corners. Wrong corners and wrong views do not count, and there is no reward for leaving a corner out.
 double robust_score(const LensFunctions& lens, const double* parameters, const std::vector<PointsInView>& views,
                     const std::vector<Rigid3>& poses);
 

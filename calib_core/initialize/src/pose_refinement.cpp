@@ -73,8 +73,8 @@ template <bool kWithEquations, typename Number>
   const Number damping = at.scale > 0 ? scale2 / (scale2 + chord2) : Number(1.0);
   sums.cost += chord2 * damping;
   if constexpr (kWithEquations) {
-    // With a = I - d dᵀ: [arm]× a = [arm]× - (arm × d) dᵀ, and [arm]× a [arm]×ᵀ = |arm|² I - arm armᵀ - (arm × d)(arm ×
-    // d)ᵀ.
+    // With a = I - d dᵀ: [arm]× a = [arm]× - (arm × d) dᵀ, and
+    // [arm]× a [arm]×ᵀ = |arm|² I - arm armᵀ - (arm × d)(arm × d)ᵀ.
     const Number weight = damping * damping * nearness, weight2 = weight * nearness;
     Number across[3], weighted_arm[3];
     cross(arm, direction, across);
@@ -113,7 +113,7 @@ template <bool kWithEquations>
 RAYBUNDLE_TARGET_CLONES [[gnu::flatten]] void add_all(std::span<const Eigen::Vector3d> points,
                                                       std::span<const Eigen::Vector3d> rays, const ChordPoint& at,
                                                       ChordSums<Lanes>& of_lanes, ChordSums<double>& sums) {
-  for_each_in_lanes<true>(
+  for_each_in_lanes(
       points.size(),
       [&]<typename Number>(std::size_t i) __attribute__((always_inline)) {
         if constexpr (std::is_same_v<Number, Lanes>)

@@ -8,9 +8,11 @@
 
 namespace raybundle {
 
-/// The lens that a start is searched with, before the model asked for takes over: with d the unit ray, c = d_z, t = 1 -
-/// c,
+/// The lens that a start is searched with, before the model asked for takes over: with d the unit ray, c = d_z and
+/// t = 1 - c,
+///
 ///   plane = d_xy (1 + k1 t + k2 t²) / ((1 - alpha) c + alpha).
+///
 /// alpha = 0 is rectilinear, 1/2 stereographic, about 0.6 equidistant, 0.7 equisolid, 1 orthographic; k1 and k2 bend
 /// the profile further. Rays beyond the angle where the radius stops growing do not project. Source: Barreto and
 /// Araujo, "Issues on the geometry of central catadioptric image formation", CVPR 2001, eq. 2, with the focal length

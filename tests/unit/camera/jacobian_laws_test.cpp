@@ -100,5 +100,38 @@ TYPED_TEST(JacobianLaws, AlongTheRayNothingMoves) {
   }
 }
 
+// Four rays at once give what they give one by one, or say that they have no common answer, as here those near the
+// axis may.
+TYPED_TEST(JacobianLaws, AreTheSameInLanes) {
+  using M = TypeParam;
+  constexpr int n = kShapeSize<M>, kSome = std::max(n, 1);
+  for (const auto& example : M::kExamples) {
+    const std::vector<Vector3d> rays = rays_up_to(example.half_angle_rad);
+    std::size_t taken = 0;
+    for (std::size_t first = 0; first + Lanes::kCount <= rays.size(); first += Lanes::kCount) {
+      Lanes shape[kSome], ray[3], plane[2], wrt_ray[6], wrt_shape[2 * kSome];
+      for (int k = 0; k < n; ++k) shape[k] = Lanes(example.shape[k]);
+      load(&rays[first], ray);
+      Lanes::disagreed = false;
+      if (!M::plane_from_ray(shape, ray, plane, wrt_ray, wrt_shape) || Lanes::disagreed) continue;
+      ++taken;
+      for (int lane = 0; lane < Lanes::kCount; ++lane) {
+        double one[2], one_wrt_ray[6], one_wrt_shape[2 * kSome];
+        ASSERT_TRUE(
+            M::plane_from_ray(example.shape.data(), rays[first + lane].data(), one, one_wrt_ray, one_wrt_shape));
+        // both sides round in another order
+        const auto expect_same = [&](const Lanes* lanes, const double* numbers, int count) {
+          const double size = Eigen::Map<const Eigen::VectorXd>(numbers, count).norm();
+          for (int i = 0; i < count; ++i) EXPECT_NEAR(lanes[i][lane], numbers[i], 1e-13 * std::max(1.0, size));
+        };
+        expect_same(plane, one, 2);
+        expect_same(wrt_ray, one_wrt_ray, 6);
+        expect_same(wrt_shape, one_wrt_shape, 2 * n);
+      }
+    }
+    EXPECT_GE(taken + 2, rays.size() / Lanes::kCount);
+  }
+}
+
 }  // namespace
 }  // namespace raybundle

@@ -8,6 +8,8 @@
 #include <span>
 #include <string_view>
 
+#include "raybundle/camera/lanes.hpp"
+
 namespace raybundle {
 
 /// What a camera model is called in another program's files.
@@ -34,37 +36,41 @@ struct ExampleShape {
 /// A camera model maps a ray to the image plane at unit focal length; pixel = (fx x + cx, fy y + cy) is common to all
 /// (camera.hpp). A model is a stateless struct in a file of its own in camera/models/:
 ///
-///   static constexpr std::string_view kName;          file, type and this name agree: kannala_brandt, KannalaBrandt
-///   static constexpr std::array<std::string_view, n> kShapeNames;  parameters after fx fy cx cy, in file order
-///   static constexpr std::array<double, n> kStartShape;   a neutral start: the shape of an undistorted lens of its
-///   kind static constexpr std::array kExamples{ExampleShape<n>{...}, ...}; static constexpr std::array
-///   kForeignNames{ForeignName{...}, ...};
+/// ```
+/// kName                     file, type and this name agree: kannala_brandt, KannalaBrandt
+/// kShapeNames               parameters after fx fy cx cy, in file order
+/// kStartShape               a neutral start: the shape of an undistorted lens of its kind
+/// kExamples                 ExampleShape<n>{...}, ...
+/// kForeignNames             ForeignName{...}, ...
+/// kExpected                 ExpectedCoefficient{...}, ...; only where there are such coefficients
 ///
-///   static constexpr std::array kExpected{ExpectedCoefficient{...}, ...};  where there are such coefficients
+/// template <typename T>     any number: double, Lanes, ceres::Jet, ...
+/// static bool plane_from_ray(const T* shape, const T* ray, T* plane);
+///                           ray: any nonzero 3-vector, its length does not matter; false where the model does not
+///                           project the ray
 ///
-///   template <typename T>                              any scalar: double, ceres::Jet, ...
-///   static bool plane_from_ray(const T* shape, const T* ray, T* plane);
-///     ray: any nonzero 3-vector, its length does not matter; false where the model does not project the ray
+/// template <typename T>     double or Lanes: start and bundle take several corners at once
+/// static bool plane_from_ray(const T* shape, const T* ray, T* plane, T* plane_wrt_ray, T* plane_wrt_shape);
+///                           the same with analytic Jacobians, 2×3 and 2×n row-major
 ///
-///   static bool plane_from_ray(const double* shape, const double* ray, double* plane,
-///                              double* plane_wrt_ray /* 2×3 row-major */, double* plane_wrt_shape /* 2×n row-major
-///                              */);
-///     the same with analytic Jacobians; a template on the scalar lets start and bundle take several corners at once
+/// static bool ray_from_plane(const double* shape, const double* plane, double* ray);
+///                           unit vector, exact to 1e-12; false where no ray projects to the point
 ///
-///   static bool ray_from_plane(const double* shape, const double* plane, double* ray);
-///     unit vector, exact to 1e-12; false where no ray projects to the point
-///
-///   static double max_angle_rad(const double* shape);
-///     half-angle up to which the radial profile is increasing (the model is injective), at most pi
+/// static double max_angle_rad(const double* shape);
+///                           half-angle up to which the radial profile is increasing (the model is injective), at
+///                           most pi
+/// ```
 template <typename M>
-concept CameraModel = requires(const double* shape, const double* in, double* out) {
+concept CameraModel = requires(const double* shape, const double* in, double* out, const Lanes* four, Lanes* of_four) {
   { M::kName } -> std::convertible_to<std::string_view>;
   { M::kShapeNames.size() } -> std::convertible_to<std::size_t>;
   requires M::kShapeNames.size() == M::kStartShape.size();
   { M::kExamples.size() } -> std::convertible_to<std::size_t>;
   {std::span<const ForeignName>(M::kForeignNames)};
   { M::template plane_from_ray<double>(shape, in, out) } -> std::same_as<bool>;
-  { M::plane_from_ray(shape, in, out, out, out) } -> std::same_as<bool>;
+  { M::template plane_from_ray<double>(shape, in, out, out, out) } -> std::same_as<bool>;
+  { M::template plane_from_ray<Lanes>(four, four, of_four) } -> std::same_as<bool>;
+  { M::template plane_from_ray<Lanes>(four, four, of_four, of_four, of_four) } -> std::same_as<bool>;
   { M::ray_from_plane(shape, in, out) } -> std::same_as<bool>;
   { M::max_angle_rad(shape) } -> std::same_as<double>;
 };

@@ -4,6 +4,8 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <cstdint>
+#include <numbers>
 
 namespace raybundle {
 
@@ -15,7 +17,7 @@ class Lanes {
  public:
   static constexpr int kCount = 4;
   using Vector = double __attribute__((vector_size(8 * kCount)));
-  using Mask = long __attribute__((vector_size(8 * kCount)));
+  using Mask = std::int64_t __attribute__((vector_size(8 * kCount)));
   static inline thread_local bool disagreed = false;
 
   Lanes() = default;
@@ -51,14 +53,19 @@ class Lanes {
     return Lanes(Vector{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])});
   }
 
-  /// For y >= 0. Source: Cephes, atan.c; error below two units of the last digit.
+  [[gnu::always_inline]] friend Lanes tan(const Lanes& a) {
+    return Lanes(Vector{std::tan(a[0]), std::tan(a[1]), std::tan(a[2]), std::tan(a[3])});
+  }
+
+  /// Zeros have no sign here. Source: Cephes, atan.c; error below two units of the last digit.
   [[gnu::always_inline]] friend Lanes atan2(const Lanes& y_lanes, const Lanes& x_lanes) {
     const Vector& y = y_lanes.vector_;
     const Vector& x = x_lanes.vector_;
     const Vector zero{};
     const Vector ax = x < zero ? -x : x;
-    const Vector small = y < ax ? y : ax;
-    const Vector large = y < ax ? ax : y;
+    const Vector ay = y < zero ? -y : y;
+    const Vector small = ay < ax ? ay : ax;
+    const Vector large = ay < ax ? ax : ay;
     const Mask far = small > 0.41421356237309503 * large;  // tan 22.5°
     const Vector t = (far ? small - large : small) / (far ? small + large : large);
     const Vector z = t * t;
@@ -73,15 +80,16 @@ class Lanes {
             z +
         1.945506571482613964425e2;
     Vector angle = t + t * (z * p / q);
-    angle = far ? M_PI_4 + angle : angle;
-    angle = y > ax ? M_PI_2 - angle : angle;
-    return Lanes(x < zero ? M_PI - angle : angle);
+    angle = far ? 0.25 * std::numbers::pi + angle : angle;
+    angle = ay > ax ? 0.5 * std::numbers::pi - angle : angle;
+    angle = x < zero ? std::numbers::pi - angle : angle;
+    return Lanes(y < zero ? -angle : angle);
   }
 
  private:
   [[gnu::always_inline]] static bool all(const Mask& mask) {
-    const long both = mask[0] & mask[1] & mask[2] & mask[3];
-    const long any = mask[0] | mask[1] | mask[2] | mask[3];
+    const std::int64_t both = mask[0] & mask[1] & mask[2] & mask[3];
+    const std::int64_t any = mask[0] | mask[1] | mask[2] | mask[3];
     if (both != any) disagreed = true;
     return both != 0;
   }
@@ -104,28 +112,20 @@ template <int size>
   for (int k = 0; k < size; ++k) numbers[k] = Lanes(Lanes::Vector{from[0][k], from[1][k], from[2][k], from[3][k]});
 }
 
-/// Camera models whose formulas are written for any number.
-template <typename M>
-concept TakesLanes = requires(const Lanes* in, Lanes* out) {
-  M::plane_from_ray(in, in, out, out, out);
-};
-
-/// Calls `take` with the first of as many as there are lanes, where it takes lanes at all, and one by one for those
-/// that are left and where the lanes have no common answer; calls `miss` for each that it cannot take.
+/// Calls `take` with the first of as many as there are lanes, and one by one for those that are left and where the
+/// lanes have no common answer; calls `miss` for each that it cannot take.
 ///
 /// @param take  a template on the number, always inline: bool <Number>(index)
-template <bool in_lanes, typename Index, typename Take, typename Miss>
+template <typename Index, typename Take, typename Miss>
 [[gnu::always_inline]] inline void for_each_in_lanes(Index count, const Take& take, const Miss& miss) {
   const auto take_one = [&](Index i) __attribute__((always_inline)) {
     if (!take.template operator()<double>(i)) miss(i);
   };
   Index i = 0;
-  if constexpr (in_lanes) {
-    for (; i + Lanes::kCount <= count; i += Lanes::kCount) {
-      Lanes::disagreed = false;
-      if (take.template operator()<Lanes>(i) && !Lanes::disagreed) continue;
-      for (int lane = 0; lane < Lanes::kCount; ++lane) take_one(i + lane);
-    }
+  for (; i + Lanes::kCount <= count; i += Lanes::kCount) {
+    Lanes::disagreed = false;
+    if (take.template operator()<Lanes>(i) && !Lanes::disagreed) continue;
+    for (int lane = 0; lane < Lanes::kCount; ++lane) take_one(i + lane);
   }
   for (; i < count; ++i) take_one(i);
 }

@@ -48,23 +48,23 @@ struct PlaneDistortion {
   ///
   /// @param wrt_plane  2×2 row-major
   /// @param wrt_k      2×n row-major, row 1 begins `stride` entries after row 0; not written when null
-  static bool distort(const double* k, const double* plane, double* distorted, double* wrt_plane, double* wrt_k,
-                      int stride = n) {
+  template <typename T>
+  static bool distort(const T* k, const T* plane, T* distorted, T* wrt_plane, T* wrt_k, int stride = n) {
     if (!distort(k, plane, distorted)) return false;
-    const double x = plane[0];
-    const double y = plane[1];
-    const double r2 = x * x + y * y;
-    const double inverse_below = kHasDenominator ? 1.0 / denominator(k, r2) : 1.0;
-    const double scale = numerator(k, r2) * inverse_below;
-    const double slope = 2.0 * (numerator_slope(k, r2) - scale * denominator_slope(k, r2)) * inverse_below;
-    const double across = slope * x * y + 2.0 * (k[2] * x + k[3] * y);
-    wrt_plane[0] = scale + slope * x * x + 2.0 * k[2] * y + 6.0 * k[3] * x;
+    const T x = plane[0];
+    const T y = plane[1];
+    const T r2 = x * x + y * y;
+    const T inverse_below = kHasDenominator ? T(1) / denominator(k, r2) : T(1);
+    const T scale = numerator(k, r2) * inverse_below;
+    const T slope = T(2) * (numerator_slope(k, r2) - scale * denominator_slope(k, r2)) * inverse_below;
+    const T across = slope * x * y + T(2) * (k[2] * x + k[3] * y);
+    wrt_plane[0] = scale + slope * x * x + T(2) * k[2] * y + T(6) * k[3] * x;
     wrt_plane[1] = across;
     wrt_plane[2] = across;
-    wrt_plane[3] = scale + slope * y * y + 6.0 * k[2] * y + 2.0 * k[3] * x;
+    wrt_plane[3] = scale + slope * y * y + T(6) * k[2] * y + T(2) * k[3] * x;
     if constexpr (kHasPrism) {
-      const double prism_x = 2.0 * (k[8] + 2.0 * r2 * k[9]);
-      const double prism_y = 2.0 * (k[10] + 2.0 * r2 * k[11]);
+      const T prism_x = T(2) * (k[8] + T(2) * r2 * k[9]);
+      const T prism_y = T(2) * (k[10] + T(2) * r2 * k[11]);
       wrt_plane[0] += prism_x * x;
       wrt_plane[1] += prism_x * y;
       wrt_plane[2] += prism_y * x;
@@ -72,9 +72,9 @@ struct PlaneDistortion {
     }
     if (wrt_k == nullptr) return true;
 
-    double* row[2] = {wrt_k, wrt_k + stride};
+    T* row[2] = {wrt_k, wrt_k + stride};
     for (int axis = 0; axis < 2; ++axis) {
-      const double radial = plane[axis] * inverse_below * r2;
+      const T radial = plane[axis] * inverse_below * r2;
       row[axis][0] = radial;
       row[axis][1] = radial * r2;
       if constexpr (n >= 5) row[axis][4] = radial * r2 * r2;
@@ -82,13 +82,13 @@ struct PlaneDistortion {
         for (int i = 0; i < 3; ++i) row[axis][5 + i] = -scale * row[axis][i == 2 ? 4 : i];
       }
     }
-    row[0][2] = row[1][3] = 2.0 * x * y;
-    row[0][3] = r2 + 2.0 * x * x;
-    row[1][2] = r2 + 2.0 * y * y;
+    row[0][2] = row[1][3] = T(2) * x * y;
+    row[0][3] = r2 + T(2) * x * x;
+    row[1][2] = r2 + T(2) * y * y;
     if constexpr (kHasPrism) {
       row[0][8] = row[1][10] = r2;
       row[0][9] = row[1][11] = r2 * r2;
-      row[0][10] = row[0][11] = row[1][8] = row[1][9] = 0.0;
+      row[0][10] = row[0][11] = row[1][8] = row[1][9] = T(0);
     }
     return true;
   }
@@ -174,11 +174,15 @@ struct PlaneDistortion {
     return T(1);
   }
 
-  static double numerator_slope(const double* k, double r2) { return k[0] + r2 * (2.0 * k[1] + r2 * 3.0 * k3(k)); }
+  template <typename T>
+  static T numerator_slope(const T* k, const T& r2) {
+    return k[0] + r2 * (T(2) * k[1] + r2 * T(3) * k3(k));
+  }
 
-  static double denominator_slope(const double* k, double r2) {
-    if constexpr (kHasDenominator) return k[5] + r2 * (2.0 * k[6] + r2 * 3.0 * k[7]);
-    return 0.0;
+  template <typename T>
+  static T denominator_slope(const T* k, const T& r2) {
+    if constexpr (kHasDenominator) return k[5] + r2 * (T(2) * k[6] + r2 * T(3) * k[7]);
+    return T(0);
   }
 
   /// Inverse of the radial profile; `limit`, kept just inside, for radii beyond the profile's top. The equation is
@@ -206,7 +210,7 @@ struct PlaneDistortion {
   static Newton newton_at(const double* k, const double* plane, const double* distorted) {
     double now[2];
     double j[4];
-    if (!distort(k, plane, now, j, nullptr)) return {};
+    if (!distort<double>(k, plane, now, j, nullptr)) return {};
     const double dx = now[0] - distorted[0];
     const double dy = now[1] - distorted[1];
     const double determinant = j[0] * j[3] - j[1] * j[2];
@@ -226,16 +230,16 @@ struct DistortedPinhole {
     return PlaneDistortion<n>::distort(k, ideal, plane);
   }
 
-  static bool plane_from_ray(const double* k, const double* ray, double* plane, double* plane_wrt_ray,
-                             double* plane_wrt_k) {
-    if (!(ray[2] > 0)) return false;
-    const double inverse_z = 1.0 / ray[2];
-    const double ideal[2] = {ray[0] * inverse_z, ray[1] * inverse_z};
-    double wrt_ideal[4];
+  template <typename T>
+  static bool plane_from_ray(const T* k, const T* ray, T* plane, T* plane_wrt_ray, T* plane_wrt_k) {
+    if (!(ray[2] > T(0))) return false;
+    const T inverse_z = T(1) / ray[2];
+    const T ideal[2] = {ray[0] * inverse_z, ray[1] * inverse_z};
+    T wrt_ideal[4];
     if (!PlaneDistortion<n>::distort(k, ideal, plane, wrt_ideal, plane_wrt_k)) return false;
     for (int axis = 0; axis < 2; ++axis) {
-      const double wrt_x = wrt_ideal[2 * axis] * inverse_z;
-      const double wrt_y = wrt_ideal[2 * axis + 1] * inverse_z;
+      const T wrt_x = wrt_ideal[2 * axis] * inverse_z;
+      const T wrt_y = wrt_ideal[2 * axis + 1] * inverse_z;
       plane_wrt_ray[3 * axis] = wrt_x;
       plane_wrt_ray[3 * axis + 1] = wrt_y;
       plane_wrt_ray[3 * axis + 2] = -(wrt_x * ideal[0] + wrt_y * ideal[1]);

@@ -38,22 +38,23 @@ struct UnifiedSphere {
   /// @param wrt_point  2×3 row-major
   /// @param wrt_a_b    2×2 row-major: a, b
   /// @param wrt_beta   2
-  bool project(const double* point, double* plane, double* wrt_point, double* wrt_a_b, double* wrt_beta) const {
-    const double r2 = point[0] * point[0] + point[1] * point[1];
-    const double d = std::sqrt(beta * r2 + point[2] * point[2]);
-    const double below = a * d + b * point[2];
-    if (!(below > 0) || !(b * d + a * point[2] > 0)) return false;
-    const double inverse_below = 1.0 / below;
-    const double a_over_d = a / d;
-    const double below_wrt_point[3] = {a_over_d * beta * point[0], a_over_d * beta * point[1], a_over_d * point[2] + b};
+  bool project(const T* point, T* plane, T* wrt_point, T* wrt_a_b, T* wrt_beta) const {
+    using std::sqrt;
+    const T r2 = point[0] * point[0] + point[1] * point[1];
+    const T d = sqrt(beta * r2 + point[2] * point[2]);
+    const T below = a * d + b * point[2];
+    if (!(below > T(0)) || !(b * d + a * point[2] > T(0))) return false;
+    const T inverse_below = T(1) / below;
+    const T a_over_d = a / d;
+    const T below_wrt_point[3] = {a_over_d * beta * point[0], a_over_d * beta * point[1], a_over_d * point[2] + b};
     for (int axis = 0; axis < 2; ++axis) {
       plane[axis] = point[axis] * inverse_below;
-      const double minus = -plane[axis] * inverse_below;
+      const T minus = -plane[axis] * inverse_below;
       for (int i = 0; i < 3; ++i) wrt_point[3 * axis + i] = minus * below_wrt_point[i];
       wrt_point[3 * axis + axis] += inverse_below;
       wrt_a_b[2 * axis] = minus * d;
       wrt_a_b[2 * axis + 1] = minus * point[2];
-      wrt_beta[axis] = minus * 0.5 * a_over_d * r2;
+      wrt_beta[axis] = minus * T(0.5) * a_over_d * r2;
     }
     return true;
   }

@@ -33,8 +33,8 @@ Camera fitted_anew(const Camera& camera, const std::vector<Eigen::Vector3d>& ray
 /// they put rays nearly where this one puts them. A valley may have several optima: common factors of a rational lens,
 /// the two sides of xi = 0 of a double sphere.
 ///
-/// @param alike_px      root mean square distance of the projections, a common turn removed, up to which the way goes
-/// on
+/// @param alike_px      root mean square distance of the projections, a common turn removed, up to which the
+///                      way goes on
 /// @param of_each_side  at most so many, the last ones: steps grow, and the first lead back
 std::vector<Camera> cameras_along_valley(const Camera& camera, const std::vector<Eigen::Vector3d>& rays_in_camera,
                                          double alike_px, std::size_t of_each_side);

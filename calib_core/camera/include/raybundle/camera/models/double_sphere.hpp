@@ -37,19 +37,21 @@ struct DoubleSphere {
     return UnifiedSphere<T>{shape[1], T(1) - shape[1], T(1)}.project(point, plane);
   }
 
-  static bool plane_from_ray(const double* shape, const double* ray, double* plane, double* plane_wrt_ray,
-                             double* plane_wrt_shape) {
-    const double xi = shape[0];
-    const double d1 = std::sqrt(ray[0] * ray[0] + ray[1] * ray[1] + ray[2] * ray[2]);
-    if (!(d1 + xi * ray[2] > 0)) return false;
-    const double point[3] = {ray[0], ray[1], xi * d1 + ray[2]};
-    double wrt_point[6];
-    double wrt_a_b[4];
-    double wrt_beta[2];
-    if (!second_sphere(shape).project(point, plane, wrt_point, wrt_a_b, wrt_beta)) return false;
-    const double xi_over_d1 = xi / d1;
+  template <typename T>
+  static bool plane_from_ray(const T* shape, const T* ray, T* plane, T* plane_wrt_ray, T* plane_wrt_shape) {
+    using std::sqrt;
+    const T xi = shape[0];
+    const T d1 = sqrt(ray[0] * ray[0] + ray[1] * ray[1] + ray[2] * ray[2]);
+    if (!(d1 + xi * ray[2] > T(0))) return false;
+    const T point[3] = {ray[0], ray[1], xi * d1 + ray[2]};
+    T wrt_point[6];
+    T wrt_a_b[4];
+    T wrt_beta[2];
+    if (!UnifiedSphere<T>{shape[1], T(1) - shape[1], T(1)}.project(point, plane, wrt_point, wrt_a_b, wrt_beta))
+      return false;
+    const T xi_over_d1 = xi / d1;
     for (int axis = 0; axis < 2; ++axis) {
-      const double wrt_z = wrt_point[3 * axis + 2];
+      const T wrt_z = wrt_point[3 * axis + 2];
       for (int i = 0; i < 3; ++i) plane_wrt_ray[3 * axis + i] = wrt_z * xi_over_d1 * ray[i];
       plane_wrt_ray[3 * axis] += wrt_point[3 * axis];
       plane_wrt_ray[3 * axis + 1] += wrt_point[3 * axis + 1];

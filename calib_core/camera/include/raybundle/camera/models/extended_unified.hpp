@@ -33,11 +33,13 @@ struct ExtendedUnified {
     return UnifiedSphere<T>{shape[0], T(1) - shape[0], shape[1]}.project(ray, plane);
   }
 
-  static bool plane_from_ray(const double* shape, const double* ray, double* plane, double* plane_wrt_ray,
-                             double* plane_wrt_shape) {
-    double wrt_a_b[4];
-    double wrt_beta[2];
-    if (!(shape[1] > 0) || !ellipsoid(shape).project(ray, plane, plane_wrt_ray, wrt_a_b, wrt_beta)) return false;
+  template <typename T>
+  static bool plane_from_ray(const T* shape, const T* ray, T* plane, T* plane_wrt_ray, T* plane_wrt_shape) {
+    T wrt_a_b[4];
+    T wrt_beta[2];
+    if (!(shape[1] > T(0))) return false;
+    const UnifiedSphere<T> ellipsoid{shape[0], T(1) - shape[0], shape[1]};
+    if (!ellipsoid.project(ray, plane, plane_wrt_ray, wrt_a_b, wrt_beta)) return false;
     for (int axis = 0; axis < 2; ++axis) {
       plane_wrt_shape[2 * axis] = wrt_a_b[2 * axis] - wrt_a_b[2 * axis + 1];
       plane_wrt_shape[2 * axis + 1] = wrt_beta[axis];

@@ -45,38 +45,39 @@ struct FieldOfView {
     return true;
   }
 
-  static bool plane_from_ray(const double* shape, const double* ray, double* plane, double* plane_wrt_ray,
-                             double* plane_wrt_shape) {
+  template <typename T>
+  static bool plane_from_ray(const T* shape, const T* ray, T* plane, T* plane_wrt_ray, T* plane_wrt_shape) {
     if (!plane_from_ray(shape, ray, plane)) return false;
-    const double w = shape[0];
-    const double z = ray[2];
-    const double rho2 = ray[0] * ray[0] + ray[1] * ray[1];
+    using std::atan2, std::sqrt, std::tan;
+    const T w = shape[0];
+    const T z = ray[2];
+    const T rho2 = ray[0] * ray[0] + ray[1] * ray[1];
     const bool on_axis = is_on_axis(rho2, z);
-    const double rho = std::sqrt(rho2);
-    const double cosine = on_axis ? 1.0 : ray[0] / rho;  // of the azimuth
-    const double sine = on_axis ? 0.0 : ray[1] / rho;
-    const double gain = 2.0 * std::tan(0.5 * w);
+    const T rho = sqrt(rho2);
+    const T cosine = on_axis ? T(1) : ray[0] / rho;  // of the azimuth
+    const T sine = on_axis ? T(0) : ray[1] / rho;
+    const T gain = 2.0 * tan(0.5 * w);
 
-    double tangential;  // r / ρ
-    double radial;      // dr/dρ
-    double r_wrt_z;
-    double r_wrt_w;
+    T tangential;  // r / ρ
+    T radial;      // dr/dρ
+    T r_wrt_z;
+    T r_wrt_w;
     if (is_small(w)) {
-      const double t2 = rho2 / (z * z);
+      const T t2 = rho2 / (z * z);
       tangential = (1.0 + w * w * (1.0 / 12 - t2 / 3)) / z;
       radial = (1.0 + w * w * (1.0 / 12 - t2)) / z;
       r_wrt_w = 2.0 * w * (1.0 / 12 - t2 / 3) * rho / z;
       r_wrt_z = -radial * rho / z;
     } else {
-      const double inverse = 1.0 / (gain * gain * rho2 + z * z);
-      const double r = std::atan2(gain * rho, z) / w;
+      const T inverse = 1.0 / (gain * gain * rho2 + z * z);
+      const T r = atan2(gain * rho, z) / w;
       tangential = on_axis ? gain / (w * z) : r / rho;
       radial = gain * z * inverse / w;
       r_wrt_z = -gain * rho * inverse / w;
-      const double gain_wrt_w = 1.0 + 0.25 * gain * gain;
+      const T gain_wrt_w = 1.0 + 0.25 * gain * gain;
       r_wrt_w = (rho * z * inverse * gain_wrt_w - r) / w;
     }
-    const double difference = radial - tangential;
+    const T difference = radial - tangential;
     plane_wrt_ray[0] = tangential + difference * cosine * cosine;
     plane_wrt_ray[1] = plane_wrt_ray[3] = difference * cosine * sine;
     plane_wrt_ray[2] = r_wrt_z * cosine;
@@ -124,7 +125,7 @@ struct FieldOfView {
   template <typename T>
   static bool valid(const T& w, const T& rho2, const T& z) {
     if (!(w < T(M_PI) && w > T(-M_PI))) return false;
-    return z > T(0) || (!is_small(w) && !is_on_axis(rho2, z));
+    return (!is_small(w) && !is_on_axis(rho2, z)) || z > T(0);
   }
 };
 static_assert(CameraModel<FieldOfView>);

@@ -27,13 +27,14 @@ struct Pinhole {
     return true;
   }
 
-  static bool plane_from_ray(const double* shape, const double* ray, double* plane, double* plane_wrt_ray, double*) {
+  template <typename T>
+  static bool plane_from_ray(const T* shape, const T* ray, T* plane, T* plane_wrt_ray, T*) {
     if (!plane_from_ray(shape, ray, plane)) return false;
-    const double inverse_z = 1.0 / ray[2];
+    const T inverse_z = T(1) / ray[2];
     plane_wrt_ray[0] = inverse_z;
-    plane_wrt_ray[1] = 0.0;
+    plane_wrt_ray[1] = T(0);
     plane_wrt_ray[2] = -plane[0] * inverse_z;
-    plane_wrt_ray[3] = 0.0;
+    plane_wrt_ray[3] = T(0);
     plane_wrt_ray[4] = inverse_z;
     plane_wrt_ray[5] = -plane[1] * inverse_z;
     return true;

@@ -40,18 +40,19 @@ struct Unified {
     return PlaneDistortion<4>::distort(shape + 1, ideal, plane);
   }
 
-  static bool plane_from_ray(const double* shape, const double* ray, double* plane, double* plane_wrt_ray,
-                             double* plane_wrt_shape) {
-    double ideal[2];
-    double ideal_wrt_ray[6];
-    double ideal_wrt_a_b[4];
-    double ideal_wrt_beta[2];
-    double wrt_ideal[4];
-    if (!sphere(shape).project(ray, ideal, ideal_wrt_ray, ideal_wrt_a_b, ideal_wrt_beta)) return false;
+  template <typename T>
+  static bool plane_from_ray(const T* shape, const T* ray, T* plane, T* plane_wrt_ray, T* plane_wrt_shape) {
+    T ideal[2];
+    T ideal_wrt_ray[6];
+    T ideal_wrt_a_b[4];
+    T ideal_wrt_beta[2];
+    T wrt_ideal[4];
+    if (!UnifiedSphere<T>{shape[0], T(1), T(1)}.project(ray, ideal, ideal_wrt_ray, ideal_wrt_a_b, ideal_wrt_beta))
+      return false;
     if (!PlaneDistortion<4>::distort(shape + 1, ideal, plane, wrt_ideal, plane_wrt_shape + 1, 5)) return false;
     for (int axis = 0; axis < 2; ++axis) {
-      const double wrt_u = wrt_ideal[2 * axis];
-      const double wrt_v = wrt_ideal[2 * axis + 1];
+      const T wrt_u = wrt_ideal[2 * axis];
+      const T wrt_v = wrt_ideal[2 * axis + 1];
       for (int i = 0; i < 3; ++i) plane_wrt_ray[3 * axis + i] = wrt_u * ideal_wrt_ray[i] + wrt_v * ideal_wrt_ray[3 + i];
       plane_wrt_shape[5 * axis] = wrt_u * ideal_wrt_a_b[0] + wrt_v * ideal_wrt_a_b[2];
     }
