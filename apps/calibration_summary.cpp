@@ -109,7 +109,7 @@ std::string shape_lines(const CalibrationResult& result) {
   std::string text;
   for (const CalibratedTarget& target : result.calibration.targets) {
     const BoardShape& shape = target.shape;
-    if (shape.bend_x_m == 0 && shape.bend_y_m == 0 && shape.twist_m == 0) continue;
+    if (shape.sags().isZero(0)) continue;
     text += fmt::format("{} is bent, which is allowed for: {:.2f} mm along x, {:.2f} mm along y, twist {:.2f} mm\n",
                         target.target.name, 1e3 * shape.bend_x_m, 1e3 * shape.bend_y_m, 1e3 * shape.twist_m);
   }

@@ -54,7 +54,7 @@ void centre_beams(const std::vector<ViewDots>& dots, Unknowns& unknowns) {
     for (const UsedDot& dot : view.dots) {
       const Line3& beam = unknowns.beams[dot.beam];
       const Line3 in_target = target_from_rig * beam;
-      const auto x = view.surface.crossing(in_target, {sags[0], sags[1], sags[2]});
+      const auto x = view.surface.crossing(in_target, BoardShape::from_sags(sags));
       if (!x) continue;
       sum[dot.beam] += in_target.direction.dot(*x - in_target.point);
       ++count[dot.beam];

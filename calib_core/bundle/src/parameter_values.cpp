@@ -61,8 +61,6 @@ void fix_values(const ParameterBlock& block, const Eigen::VectorXd& mean, Eigen:
   }
 }
 
-Eigen::Vector3d sags(const BoardShape& shape) { return {shape.bend_x_m, shape.bend_y_m, shape.twist_m}; }
-
 }  // namespace
 
 PriorMean current_values(const BundleState& state, const ParameterBlock& block) {
@@ -74,7 +72,7 @@ PriorMean current_values(const BundleState& state, const ParameterBlock& block) 
     case ParameterBlock::Kind::kShape:
       break;
   }
-  return {.values = sags(state.shapes[block.owner]), .camera_from_rig = {}};
+  return {.values = state.shapes[block.owner].sags(), .camera_from_rig = {}};
 }
 
 PriorMean prior_mean(const CalibrationProblem& problem, const BundleState& state, const ParameterBlock& block) {
@@ -101,12 +99,12 @@ void apply_fixed_values(const CalibrationProblem& problem, const std::vector<Par
       fix_values(block, prior_mean(problem, state, block).values, state.cameras[block.owner].parameters);
     } else if (block.kind == ParameterBlock::Kind::kShape) {
       BoardShape& shape = state.shapes[block.owner];
-      Eigen::VectorXd values = sags(shape);
+      Eigen::Vector3d values = shape.sags();
       for (int i = 0; i < 3; ++i) {  // a shape that is only not asked for keeps its value
         if (block.parameters[i].kind == RuleKind::kFixed && block.parameters[i].value)
           values[i] = *block.parameters[i].value;
       }
-      shape = {values[0], values[1], values[2]};
+      shape = BoardShape::from_sags(values);
     } else if (block.owner != 0) {
       fix_pose(block, prior_mean(problem, state, block).camera_from_rig, state.camera_from_rig[block.owner]);
     }

@@ -3,20 +3,16 @@
 #include "raybundle/bundle/parameters.hpp"
 
 #include <algorithm>
-#include <array>
 #include <string_view>
 
 #include "dot_rows.hpp"
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/scene/parameter_names.hpp"
 
 namespace raybundle {
 namespace {
 
 using RuleKind = ParameterRule::Kind;
-
-constexpr std::array<std::string_view, 6> kMotionNames{"rotation_x",    "rotation_y",    "rotation_z",
-                                                       "translation_x", "translation_y", "translation_z"};
-constexpr std::array<std::string_view, 3> kShapeParameterNames{"bend_x", "bend_y", "twist"};
 
 // Wildcards: * any run of characters, ? any one.
 bool matches(std::string_view pattern, std::string_view text) {
@@ -41,13 +37,10 @@ bool matches(std::string_view pattern, std::string_view text) {
   return std::ranges::all_of(pattern.substr(p), [](char c) { return c == '*'; });
 }
 
-template <typename Names>
-ParameterBlock make_block(ParameterBlock::Kind kind, int owner, std::string group, const std::string& prefix,
-                          const Names& names) {
+ParameterBlock make_block(ParameterBlock::Kind kind, int owner, std::string group,
+                          const std::vector<std::string>& names) {
   ParameterBlock block{kind, owner, std::move(group), {}};
-  for (const std::string_view name : names) {
-    block.parameters.push_back({.name = prefix + std::string(name), .value = {}});
-  }
+  for (const std::string& name : names) block.parameters.push_back({.name = name, .value = {}});
   return block;
 }
 
@@ -100,14 +93,14 @@ std::vector<ParameterBlock> free_blocks(const CalibrationProblem& problem) {
   std::vector<ParameterBlock> blocks;
   for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
     const std::string& name = problem.cameras[c].name;
-    blocks.push_back(make_block(ParameterBlock::Kind::kIntrinsics, c, name + ".intrinsics", name + ".",
-                                parameter_names(problem.cameras[c].model)));
-    const std::string extrinsics = name + ".camera_from_rig";
-    blocks.push_back(make_block(ParameterBlock::Kind::kCameraFromRig, c, extrinsics, extrinsics + ".", kMotionNames));
+    blocks.push_back(make_block(ParameterBlock::Kind::kIntrinsics, c, name + ".intrinsics",
+                                intrinsic_names(name, problem.cameras[c].model)));
+    blocks.push_back(
+        make_block(ParameterBlock::Kind::kCameraFromRig, c, name + ".camera_from_rig", extrinsic_names(name)));
   }
   for (int t = 0; t < static_cast<int>(problem.targets.size()); ++t) {
     const std::string& name = problem.targets[t].name;
-    blocks.push_back(make_block(ParameterBlock::Kind::kShape, t, name + ".shape", name + ".", kShapeParameterNames));
+    blocks.push_back(make_block(ParameterBlock::Kind::kShape, t, name + ".shape", shape_names(name)));
   }
   return blocks;
 }

@@ -13,6 +13,7 @@
 #include "raybundle/bundle/information.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/rotation.hpp"
+#include "raybundle/scene/parameter_names.hpp"
 #include "raybundle/uncertainty/covariance.hpp"
 
 namespace raybundle {
@@ -50,20 +51,7 @@ Eigen::MatrixXd covariance_of_lens(const CalibrationProblem& single, const Bundl
   BundleOptions bundle;
   bundle.threads = threads;
   const Covariance known = covariance(reduced_information(single, state, bundle)).covariance;
-  const std::vector<std::string_view> names = parameter_names(state.cameras[0].model);
-  std::vector<Eigen::Index> at;  // in the covariance; past its end where it has none
-  for (const std::string_view name : names) {
-    at.push_back(std::ranges::find(known.names, single.cameras[0].name + "." + std::string(name)) -
-                 known.names.begin());
-  }
-  Eigen::MatrixXd of_lens = Eigen::MatrixXd::Zero(std::ssize(names), std::ssize(names));
-  for (std::size_t row = 0; row < names.size(); ++row) {
-    for (std::size_t column = 0; column < names.size(); ++column) {
-      if (std::max(at[row], at[column]) >= known.matrix.rows()) continue;
-      of_lens(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column)) = known.matrix(at[row], at[column]);
-    }
-  }
-  return of_lens;
+  return known.block(intrinsic_names(single.cameras[0].name, state.cameras[0].model));
 }
 
 double projection_sigma_px(const CalibrationProblem& single, const BundleState& state, int threads) {

@@ -227,7 +227,7 @@ SurveyImage image_of(const Camera& camera, const std::string& image, std::vector
 void require_inside(const Sighting& sighting, const RigCamera& camera) {
   const Eigen::Vector2d& pixel = sighting.pixel;
   const ImageSize size = camera.camera.size;
-  if (pixel.x() >= -0.5 && pixel.x() <= size.width - 0.5 && pixel.y() >= -0.5 && pixel.y() <= size.height - 0.5) return;
+  if (size.contains(pixel)) return;
   throw Error(ErrorKind::kBadInput,
               fmt::format("landmark '{}' is seen at pixel ({:.1f}, {:.1f}), outside of the {}x{} image of camera {}; "
                           "was it clicked in an image of another size?",

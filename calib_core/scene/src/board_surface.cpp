@@ -7,11 +7,6 @@
 #include "raybundle/geometry/error.hpp"
 
 namespace raybundle {
-namespace {
-
-Eigen::Vector3d sags(const BoardShape& shape) { return {shape.bend_x_m, shape.bend_y_m, shape.twist_m}; }
-
-}  // namespace
 
 BoardSurface::BoardSurface(const Target& target) {
   if (!target.flat() || target.points.empty()) {
@@ -33,7 +28,7 @@ Eigen::Vector3d BoardSurface::basis(double x, double y) const {
   return {1 - p.x() * p.x(), 1 - p.y() * p.y(), p.x() * p.y()};
 }
 
-double BoardSurface::height(double x, double y, const BoardShape& shape) const { return basis(x, y).dot(sags(shape)); }
+double BoardSurface::height(double x, double y, const BoardShape& shape) const { return basis(x, y).dot(shape.sags()); }
 
 Eigen::Vector3d BoardSurface::normal(double x, double y, const BoardShape& shape) const {
   const Eigen::Array2d p = (Eigen::Array2d(x, y) - centre_) / half_;

@@ -16,6 +16,27 @@ double Covariance::sigma(const std::string& name) const {
   return std::sqrt(matrix(i, i));
 }
 
+std::vector<int> Covariance::places_of(const std::vector<std::string>& some) const {
+  std::vector<int> places;
+  for (const std::string& name : some) {
+    const auto found = std::ranges::find(names, name);
+    places.push_back(found == names.end() ? -1 : static_cast<int>(found - names.begin()));
+  }
+  return places;
+}
+
+Eigen::MatrixXd Covariance::block(const std::vector<std::string>& some) const {
+  const std::vector<int> places = places_of(some);
+  Eigen::MatrixXd part = Eigen::MatrixXd::Zero(std::ssize(places), std::ssize(places));
+  for (Eigen::Index i = 0; i < part.rows(); ++i) {
+    for (Eigen::Index j = 0; j < part.cols(); ++j) {
+      const int row = places[static_cast<std::size_t>(i)], column = places[static_cast<std::size_t>(j)];
+      if (row >= 0 && column >= 0) part(i, j) = matrix(row, column);
+    }
+  }
+  return part;
+}
+
 std::optional<int> CornerEvidence::cell(ImageSize size, const Eigen::Vector2d& pixel) const {
   // Pixel (0, 0) is the centre of the first one, so that the image begins half a pixel before it.
   const double column = std::floor((pixel.x() + 0.5) * columns / size.width);

@@ -31,7 +31,7 @@ std::vector<Eigen::Vector3d> shape_basis(const Target& target) {
 
 std::vector<Eigen::Vector3d> points_on_surface(const Target& target, const BoardShape& shape) {
   const std::vector<Eigen::Vector3d> basis = shape_basis(target);
-  const Eigen::Vector3d sags(shape.bend_x_m, shape.bend_y_m, shape.twist_m);
+  const Eigen::Vector3d sags = shape.sags();
   std::vector<Eigen::Vector3d> points;
   points.reserve(basis.size());
   for (std::size_t i = 0; i < basis.size(); ++i) {

@@ -32,9 +32,7 @@ class BeamCurve {
     if (std::abs(line_.direction.z()) < 1e-6) return std::nullopt;
     const Eigen::Vector3d x = line_.at((1.0 / inverse_depth - line_.point.z()) / line_.direction.z());
     const std::optional<Eigen::Vector2d> pixel = pixel_from_ray(camera_, x);
-    const bool inside = pixel && (pixel->array() > -0.5).all() && pixel->x() < camera_.size.width - 0.5 &&
-                        pixel->y() < camera_.size.height - 0.5;
-    return inside ? pixel : std::nullopt;
+    return pixel && camera_.size.contains(*pixel) ? pixel : std::nullopt;
   }
 
  private:

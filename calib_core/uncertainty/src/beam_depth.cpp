@@ -17,9 +17,7 @@ BeamDepth beam_depth(const RigCamera& camera, const Covariance& parameters, cons
   const Eigen::Vector3d in_camera = start + along * direction;
   const std::optional<Eigen::Vector2d> pixel = pixel_from_ray(camera.camera, in_camera);
   const std::optional<PixelDerivatives> derivatives = pixel_derivatives(camera.camera, in_camera);
-  const bool seen = pixel && derivatives && (pixel->array() > -0.5).all() &&
-                    pixel->x() < camera.camera.size.width - 0.5 && pixel->y() < camera.camera.size.height - 0.5;
-  if (!seen) return {};
+  if (!pixel || !derivatives || !camera.camera.size.contains(*pixel)) return {};
 
   // A pixel error e moves the dot along the beam by -solve · e.
   const Eigen::Vector2d by_along = derivatives->by_ray * direction;
@@ -37,9 +35,9 @@ BeamDepth beam_depth(const RigCamera& camera, const Covariance& parameters, cons
   };
   const Eigen::RowVector4d depth_by_beam = depth_by(by_beam);
   Eigen::RowVectorXd depth_by_parameters = Eigen::RowVectorXd::Zero(static_cast<Eigen::Index>(parameters.names.size()));
-  scatter(-direction.z() * solve * derivatives->by_intrinsics, places_of(intrinsic_names(camera), parameters),
+  scatter(-direction.z() * solve * derivatives->by_intrinsics, parameters.places_of(intrinsic_names(camera)),
           depth_by_parameters);
-  scatter(depth_by(by_place), places_of(extrinsic_names(camera), parameters), depth_by_parameters);
+  scatter(depth_by(by_place), parameters.places_of(extrinsic_names(camera)), depth_by_parameters);
 
   double variance = (depth_by_beam * of_beam).dot(depth_by_beam);
   if (depth_by_parameters.size() > 0) {

@@ -25,27 +25,13 @@ const Covariance& covariance_of(const Calibration& calibration, SigmasFrom from)
   return *calibration.covariance_by_frame;
 }
 
-// Of parameters by name; zero for those that were held fixed.
-Eigen::MatrixXd part_of(const Covariance& covariance, const std::vector<std::string>& names) {
-  const std::vector<int> places = places_of(names, covariance);
-  const auto count = static_cast<Eigen::Index>(names.size());
-  Eigen::MatrixXd part = Eigen::MatrixXd::Zero(count, count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    for (Eigen::Index j = 0; j < count; ++j) {
-      const int row = places[static_cast<std::size_t>(i)], column = places[static_cast<std::size_t>(j)];
-      if (row >= 0 && column >= 0) part(i, j) = covariance.matrix(row, column);
-    }
-  }
-  return part;
-}
-
 double ratio(double difference, double sigma) { return sigma > 0.0 ? std::abs(difference) / sigma : std::nan(""); }
 
 void compare_extrinsics(const RigCamera& a, const Covariance& of_a, const RigCamera& b, const Covariance& of_b,
                         std::vector<NormalizedDifference>& differences) {
   const Eigen::Matrix<double, 6, 1> motion = motion_between(a.camera_from_rig, b.camera_from_rig);
   const std::vector<std::string> names = extrinsic_names(a);
-  const Eigen::MatrixXd covariance = part_of(of_a, names) + part_of(of_b, names);
+  const Eigen::MatrixXd covariance = of_a.block(names) + of_b.block(names);
   for (Eigen::Index i = 0; i < 6; ++i) {
     const double sigma = std::sqrt(covariance(i, i));
     differences.push_back({names[static_cast<std::size_t>(i)], motion[i], sigma, ratio(motion[i], sigma)});

@@ -32,10 +32,8 @@ std::optional<CornerEvidence> corner_evidence(const CalibrationProblem& problem,
   for (const ViewData& view : used_views(problem, state)) {
     if (view.camera != camera) continue;
     const BoardShape& shape = state.shapes[view.target];
-    const ViewPoint point{lens.parameters.data(),
-                          state.camera_from_rig[camera],
-                          state.poses[view.pose].rig_from_target,
-                          {shape.bend_x_m, shape.bend_y_m, shape.twist_m}};
+    const ViewPoint point{lens.parameters.data(), state.camera_from_rig[camera], state.poses[view.pose].rig_from_target,
+                          shape.sags()};
     if (!linearize_view(view, point, {}, block)) continue;
     const Eigen::Index rows = 2 * view.pixel.rows();
     fit.add(block.wrt_camera_from_rig.topRows(rows), block.wrt_intrinsics.topRows(rows));

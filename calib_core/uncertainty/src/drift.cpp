@@ -64,7 +64,7 @@ std::vector<Drift> drift_between_halves(const CalibrationProblem& problem, const
   std::vector<Drift> drifts;
   for (const RigCamera& camera : calibration.cameras) {
     const std::vector<std::string> names = intrinsic_names(camera);
-    const std::vector<int> places = places_of(names, calibration.covariance);
+    const std::vector<int> places = calibration.covariance.places_of(names);
     for (int k = 0; k < 4; ++k) {  // fx fy cx cy
       const int i = places[k];
       if (i < 0) continue;

@@ -108,7 +108,7 @@ std::optional<Finding> parameters_finding(const RigCamera& camera, const Covaria
   const std::vector<std::string> names = intrinsic_names(camera);
   std::vector<std::string> parameters;
   std::vector<Eigen::Index> places;
-  for (const int place : places_of(names, covariance)) {
+  for (const int place : covariance.places_of(names)) {
     if (place < 0) continue;
     places.push_back(place);
     parameters.push_back(covariance.names[place].substr(camera.name.size() + 1));
@@ -161,7 +161,7 @@ std::optional<Finding> drift_finding(const RigCamera& camera, double rms_px, con
 // A bend makes up for much of a lens that does not fit: then it says nothing about the board.
 std::optional<Finding> shape_finding(const CalibratedTarget& target, bool lenses_fit) {
   const BoardShape& shape = target.shape;
-  const double largest = std::max({std::abs(shape.bend_x_m), std::abs(shape.bend_y_m), std::abs(shape.twist_m)});
+  const double largest = shape.sags().cwiseAbs().maxCoeff();
   if (largest == 0.0) return std::nullopt;
   double width = 0.0;
   for (const TargetPoint& point : target.target.points) {

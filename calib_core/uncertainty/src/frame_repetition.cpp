@@ -125,10 +125,8 @@ double cell_of(ImageSize size) { return std::max(size.width, size.height) / stat
 
 ViewBlock linearized(const BundleState& state, const ViewData& view, bool with_shape) {
   const BoardShape& shape = state.shapes[view.target];
-  const ViewPoint point{state.cameras[view.camera].parameters.data(),
-                        state.camera_from_rig[view.camera],
-                        state.poses[view.pose].rig_from_target,
-                        {shape.bend_x_m, shape.bend_y_m, shape.twist_m}};
+  const ViewPoint point{state.cameras[view.camera].parameters.data(), state.camera_from_rig[view.camera],
+                        state.poses[view.pose].rig_from_target, shape.sags()};
   ViewBlock block;
   linearize_view(view, point, {.with_shape = with_shape}, block);
   return block;
@@ -148,10 +146,10 @@ Eigen::MatrixXd rows_of(const CalibrationProblem& problem, const BundleState& st
     const Eigen::Index count = 2 * view.pixel.rows();
     by_pose.middleRows(first, count) = block.wrt_rig_from_target.topRows(count);
     auto here = by_parameters.middleRows(first, count);
-    scatter(block.wrt_intrinsics.topRows(count), places_of(intrinsic_names(named), parameters), here);
-    scatter(block.wrt_camera_from_rig.topRows(count), places_of(extrinsic_names(named), parameters), here);
+    scatter(block.wrt_intrinsics.topRows(count), parameters.places_of(intrinsic_names(named)), here);
+    scatter(block.wrt_camera_from_rig.topRows(count), parameters.places_of(extrinsic_names(named)), here);
     if (block.wrt_shape.cols() > 0) {
-      const std::vector<int> places = places_of(shape_names(problem.targets[view.target]), parameters);
+      const std::vector<int> places = parameters.places_of(shape_names(problem.targets[view.target].name));
       scatter(block.wrt_shape.topRows(count), places, here);
     }
     first += count;

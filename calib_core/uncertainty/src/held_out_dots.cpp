@@ -27,10 +27,6 @@ CalibratedTarget board_of(const Calibration& calibration, const Target& target) 
   return known != calibration.targets.end() ? *known : CalibratedTarget{target, {}};
 }
 
-bool inside(const Eigen::Vector2d& pixel, ImageSize size) {
-  return pixel.minCoeff() >= -0.5 && pixel.x() < size.width - 0.5 && pixel.y() < size.height - 0.5;
-}
-
 /// Where the beams meet a board, for those that the camera sees there.
 std::vector<Prediction> predictions(const LaserPattern& pattern, const RigCamera& camera, const BoardSurface& surface,
                                     const BoardShape& shape, const Rigid3& rig_from_target) {
@@ -133,7 +129,7 @@ std::vector<DotsOnBoard> dots_on_boards(const Calibration& calibration, const Ca
       on_boards[v].dots += ray && covered(rig_from_camera * Line3{Eigen::Vector3d::Zero(), *ray});
     }
     for (const Prediction& beam : predictions(*calibration.laser, camera, surface, board.shape, *rig_from_target[v])) {
-      on_boards[v].beams += inside(beam.pixel, camera.camera.size) && covered(*beam.line);
+      on_boards[v].beams += camera.camera.size.contains(beam.pixel) && covered(*beam.line);
     }
   }
   return on_boards;

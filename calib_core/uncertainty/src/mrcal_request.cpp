@@ -43,7 +43,7 @@ std::optional<GridOfPoints> grid_of(const Target& target) {
 
 }  // namespace
 
-bool is_bent(const BoardShape& shape) { return shape.bend_x_m != 0.0 || shape.bend_y_m != 0.0 || shape.twist_m != 0.0; }
+bool is_bent(const BoardShape& shape) { return shape.sags() != Eigen::Vector3d::Zero(); }
 
 TargetView relabelled_view(const CalibrationProblem& problem, TargetView view, int symmetry) {
   if (symmetry < 0) return view;

@@ -39,18 +39,15 @@ PoseInformation pose_information(const Calibration& calibration, const std::vect
     const RigCamera& camera = calibration.cameras[view.camera];
     const CalibratedTarget& target = calibration.targets[view.target];
     const BoardShape& shape = target.shape;
-    const ViewPoint point{camera.camera.parameters.data(),
-                          camera.camera_from_rig,
-                          rig_from_target,
-                          {shape.bend_x_m, shape.bend_y_m, shape.twist_m}};
+    const ViewPoint point{camera.camera.parameters.data(), camera.camera_from_rig, rig_from_target, shape.sags()};
     ViewBlock block;
     if (!linearize_view(view, point, {.with_shape = true}, block)) return sum;
     const Eigen::Index count = 2 * view.pixel.rows();
     by_pose.middleRows(row, count) = block.wrt_rig_from_target.topRows(count);
     auto here = by_all.middleRows(row, count);
-    scatter(block.wrt_intrinsics.topRows(count), places_of(intrinsic_names(camera), known), here);
-    scatter(block.wrt_camera_from_rig.topRows(count), places_of(extrinsic_names(camera), known), here);
-    scatter(block.wrt_shape.topRows(count), places_of(shape_names(target.target), known), here);
+    scatter(block.wrt_intrinsics.topRows(count), known.places_of(intrinsic_names(camera)), here);
+    scatter(block.wrt_camera_from_rig.topRows(count), known.places_of(extrinsic_names(camera)), here);
+    scatter(block.wrt_shape.topRows(count), known.places_of(shape_names(target.target.name)), here);
     here.rightCols<1>() = block.residual.head(count);
     row += count;
   }

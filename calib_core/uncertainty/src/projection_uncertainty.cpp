@@ -18,16 +18,7 @@ ProjectionUncertainty projection_uncertainty(const RigCamera& camera, const Cova
                 "the calibration does not tell where the corners of camera " + camera.name +
                     " were, so that its uncertainty cannot be told either; take one that was solved from corners");
   }
-  const std::vector<int> places = places_of(intrinsic_names(camera), covariance);
-  const auto count = static_cast<Eigen::Index>(places.size());
-  ProjectionUncertainty result{camera.camera, Eigen::MatrixXd::Zero(count, count), camera.evidence->implied_motion};
-  for (Eigen::Index i = 0; i < count; ++i) {
-    for (Eigen::Index j = 0; j < count; ++j) {
-      const int row = places[static_cast<std::size_t>(i)], column = places[static_cast<std::size_t>(j)];
-      if (row >= 0 && column >= 0) result.covariance(i, j) = covariance.matrix(row, column);
-    }
-  }
-  return result;
+  return {camera.camera, covariance.block(intrinsic_names(camera)), camera.evidence->implied_motion};
 }
 
 std::optional<Eigen::Matrix2d> projection_covariance(const ProjectionUncertainty& uncertainty,

@@ -31,8 +31,7 @@ Eigen::MatrixXd timed(const Eigen::MatrixXd& pose, const Eigen::VectorXd& place,
 std::optional<Explanations> explanations_of(const Calibration& calibration, const ViewData& view, const Rigid3& pose) {
   const RigCamera& camera = calibration.cameras[view.camera];
   const BoardShape& shape = calibration.targets[view.target].shape;
-  const ViewPoint point{
-      camera.camera.parameters.data(), camera.camera_from_rig, pose, {shape.bend_x_m, shape.bend_y_m, shape.twist_m}};
+  const ViewPoint point{camera.camera.parameters.data(), camera.camera_from_rig, pose, shape.sags()};
   ViewBlock block;
   if (!linearize_view(view, point, {.with_shape = true}, block)) return std::nullopt;
   const Eigen::Index rows = 2 * view.pixel.rows();

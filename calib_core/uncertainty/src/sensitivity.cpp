@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sensitivity.hpp"
 
-#include <algorithm>
-
 #include "raybundle/geometry/rotation.hpp"
 
 namespace raybundle {
@@ -22,36 +20,6 @@ Eigen::Matrix<double, 3, 6> by_motion_of_surroundings(const Eigen::Vector3d& x_i
   Eigen::Matrix<double, 3, 6> by_motion;
   by_motion << -skew(x_in_camera), Eigen::Matrix3d::Identity();
   return by_motion;
-}
-
-std::vector<std::string> intrinsic_names(const RigCamera& camera) {
-  std::vector<std::string> names;
-  for (const std::string_view name : parameter_names(camera.camera.model)) {
-    names.push_back(camera.name + "." + std::string(name));
-  }
-  return names;
-}
-
-std::vector<std::string> extrinsic_names(const RigCamera& camera) {
-  std::vector<std::string> names;
-  for (const char* part :
-       {"rotation_x", "rotation_y", "rotation_z", "translation_x", "translation_y", "translation_z"}) {
-    names.push_back(camera.name + ".camera_from_rig." + part);
-  }
-  return names;
-}
-
-std::vector<std::string> shape_names(const Target& target) {
-  return {target.name + ".bend_x", target.name + ".bend_y", target.name + ".twist"};
-}
-
-std::vector<int> places_of(const std::vector<std::string>& names, const Covariance& covariance) {
-  std::vector<int> places;
-  for (const std::string& name : names) {
-    const auto found = std::ranges::find(covariance.names, name);
-    places.push_back(found == covariance.names.end() ? -1 : static_cast<int>(found - covariance.names.begin()));
-  }
-  return places;
 }
 
 void scatter(const Eigen::Ref<const Eigen::MatrixXd>& derivatives, const std::vector<int>& places,

@@ -4,10 +4,10 @@
 
 #include <Eigen/Core>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "raybundle/scene/calibration.hpp"
+#include "raybundle/scene/parameter_names.hpp"
 
 namespace raybundle {
 
@@ -22,18 +22,6 @@ std::optional<PixelDerivatives> pixel_derivatives(const Camera& camera, const Ei
 
 /// How a point moves with a small motion of everything before the camera: rotation about its centre, translation.
 Eigen::Matrix<double, 3, 6> by_motion_of_surroundings(const Eigen::Vector3d& x_in_camera);
-
-/// Names of a camera's parameters in a Covariance: left.fx, ...
-std::vector<std::string> intrinsic_names(const RigCamera& camera);
-
-/// left.camera_from_rig.rotation_x, ...
-std::vector<std::string> extrinsic_names(const RigCamera& camera);
-
-/// board.bend_x, ...
-std::vector<std::string> shape_names(const Target& target);
-
-/// Where each of the names stands in the covariance; -1 for parameters that were not estimated.
-std::vector<int> places_of(const std::vector<std::string>& names, const Covariance& covariance);
 
 /// Adds derivatives by some parameters to the columns where the covariance has them.
 ///

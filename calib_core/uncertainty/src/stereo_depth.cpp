@@ -9,14 +9,6 @@
 #include "sensitivity.hpp"
 
 namespace raybundle {
-namespace {
-
-bool inside(ImageSize size, const Eigen::Vector2d& pixel) {
-  return (pixel.array() > -0.5).all() && pixel.x() < size.width - 0.5 && pixel.y() < size.height - 0.5;
-}
-
-}  // namespace
-
 StereoDepth stereo_depth(const RigCamera& first, const RigCamera& second, const Covariance& covariance,
                          const Eigen::Vector2d& pixel_in_first, double depth_m) {
   const std::optional<Eigen::Vector3d> ray = ray_from_pixel(first.camera, pixel_in_first);
@@ -25,7 +17,7 @@ StereoDepth stereo_depth(const RigCamera& first, const RigCamera& second, const 
   const Eigen::Vector3d in_first = depth_m / ray->z() * *ray;
   const Eigen::Vector3d in_second = second_from_first * in_first;
   const std::optional<Eigen::Vector2d> pixel_in_second = pixel_from_ray(second.camera, in_second);
-  if (!pixel_in_second || !inside(second.camera.size, *pixel_in_second)) return {};
+  if (!pixel_in_second || !second.camera.size.contains(*pixel_in_second)) return {};
   const auto of_first = pixel_derivatives(first.camera, in_first);
   const auto of_second = pixel_derivatives(second.camera, in_second);
   if (!of_first || !of_second) return {};
@@ -43,12 +35,12 @@ StereoDepth stereo_depth(const RigCamera& first, const RigCamera& second, const 
   const auto moves = [](const RigCamera& camera, const Eigen::Vector3d& in_camera) {
     return by_motion_of_surroundings(in_camera - camera.camera_from_rig.translation);
   };
-  scatter(of_first->by_intrinsics, places_of(intrinsic_names(first), covariance), predicted.topRows<2>());
-  scatter(of_second->by_intrinsics, places_of(intrinsic_names(second), covariance), predicted.bottomRows<2>());
-  scatter(of_second->by_ray * moves(second, in_second), places_of(extrinsic_names(second), covariance),
+  scatter(of_first->by_intrinsics, covariance.places_of(intrinsic_names(first)), predicted.topRows<2>());
+  scatter(of_second->by_intrinsics, covariance.places_of(intrinsic_names(second)), predicted.bottomRows<2>());
+  scatter(of_second->by_ray * moves(second, in_second), covariance.places_of(extrinsic_names(second)),
           predicted.bottomRows<2>());
   scatter(-of_second->by_ray * second_from_first.rotation.toRotationMatrix() * moves(first, in_first),
-          places_of(extrinsic_names(first), covariance), predicted.bottomRows<2>());
+          covariance.places_of(extrinsic_names(first)), predicted.bottomRows<2>());
 
   const Eigen::RowVectorXd depth_by_parameters = -depth_by_pixels * predicted;
   const double variance =

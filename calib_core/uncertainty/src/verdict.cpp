@@ -10,6 +10,7 @@
 
 #include "figures.hpp"
 #include "findings.hpp"
+#include "raybundle/scene/parameter_names.hpp"
 #include "raybundle/uncertainty/coverage.hpp"
 #include "raybundle/uncertainty/frame_covariance.hpp"
 
@@ -32,14 +33,8 @@ Grade grade_of(const Requirement& requirement, double value) {
 
 double baseline_sigma_by(const Covariance& covariance, const RigCamera& camera) {
   const Eigen::Vector3d along = camera.camera_from_rig.translation.normalized();
-  std::vector<Eigen::Index> places;
-  for (const char* axis : {"x", "y", "z"}) {
-    const std::string name = camera.name + ".camera_from_rig.translation_" + axis;
-    const auto found = std::ranges::find(covariance.names, name);
-    if (found == covariance.names.end()) return 0.0;  // held fixed
-    places.push_back(found - covariance.names.begin());
-  }
-  return std::sqrt(along.dot(Eigen::Matrix3d(covariance.matrix(places, places)) * along));
+  const Eigen::Matrix3d of_translation = covariance.block(extrinsic_names(camera)).bottomRightCorner<3, 3>();
+  return std::sqrt(along.dot(of_translation * along));
 }
 
 // With views like those that there are, sigmas fall with the root of their number.

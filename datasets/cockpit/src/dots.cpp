@@ -42,10 +42,7 @@ class DotMaker {
     const Eigen::Vector3d ray = camera_from_vehicle_ * x_in_vehicle;
     if (std::atan2(ray.head<2>().norm(), ray.z()) > camera_.used_half_angle_rad) return std::nullopt;
     const auto pixel = pixel_from_ray(camera_.camera, ray);
-    const ImageSize size = camera_.camera.size;
-    const bool inside = pixel && pixel->x() > -0.5 && pixel->y() > -0.5 && pixel->x() < size.width - 0.5 &&
-                        pixel->y() < size.height - 0.5;
-    return inside ? pixel : std::nullopt;
+    return pixel && camera_.camera.size.contains(*pixel) ? pixel : std::nullopt;
   }
 
   // Where a ray meets the plane that touches the surface at the hit.

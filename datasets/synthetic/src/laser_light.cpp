@@ -70,12 +70,7 @@ LaserLight::LaserLight(const SimulatedRig& rig, const SimulatedCamera& camera, c
 
 std::optional<Eigen::Vector2d> LaserLight::pixel_of(const Eigen::Vector3d& x_in_target) const {
   const auto pixel = pixel_from_ray(camera_->camera, camera_from_target_ * x_in_target);
-  const ImageSize size = camera_->camera.size;
-  if (!pixel ||
-      !(pixel->x() > -0.5 && pixel->y() > -0.5 && pixel->x() < size.width - 0.5 && pixel->y() < size.height - 0.5)) {
-    return std::nullopt;
-  }
-  return pixel;
+  return pixel && camera_->camera.size.contains(*pixel) ? pixel : std::nullopt;
 }
 
 // The first of the places is the spot's centre.

@@ -3,47 +3,80 @@
 #include "calibration_sigma.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <string>
+#include <vector>
+
+#include "raybundle/scene/parameter_names.hpp"
 
 namespace raybundle {
 namespace {
 
 constexpr int kNodes = 13;  // of the grid, along each side
 
-// A parameter of the calibration that one of the two cameras has.
+// A parameter of one of the two cameras: an intrinsic, or a component of perturbed()'s motion.
 struct Parameter {
-  Eigen::Index index;  // in the covariance
-  bool left;
-  int own;     // index into Camera::parameters, or -1
-  int motion;  // 0..5 of perturbed(), or -1
+  bool left = false;
+  std::optional<Eigen::Index> intrinsic, motion;
+  double step = 0.0;  // for differences; 0: not estimated
 };
 
-std::optional<Parameter> parameter_of(const std::string& name, Eigen::Index index, const RigCamera& camera, bool left) {
-  if (name.rfind(camera.name + ".", 0) != 0) return std::nullopt;
-  const std::string own = name.substr(camera.name.size() + 1);
-  const auto names = parameter_names(camera.camera.model);
-  const auto found = std::find(names.begin(), names.end(), own);
-  if (found != names.end()) return Parameter{index, left, static_cast<int>(found - names.begin()), -1};
-  constexpr std::array<std::string_view, 6> kMotion{"camera_from_rig.rotation_x",    "camera_from_rig.rotation_y",
-                                                    "camera_from_rig.rotation_z",    "camera_from_rig.translation_x",
-                                                    "camera_from_rig.translation_y", "camera_from_rig.translation_z"};
-  const auto motion = std::find(kMotion.begin(), kMotion.end(), own);
-  if (motion != kMotion.end()) return Parameter{index, left, -1, static_cast<int>(motion - kMotion.begin())};
-  return std::nullopt;
+// Those of both cameras, in the order of their names.
+struct Parameters {
+  std::vector<Parameter> list;
+  Eigen::MatrixXd covariance;
+};
+
+Parameters parameters_of(const Covariance& covariance, const RigCamera& left, const RigCamera& right) {
+  constexpr double kStep_sigmas = 0.1;
+  Parameters parameters;
+  std::vector<std::string> names;
+  for (const RigCamera* camera : {&left, &right}) {
+    std::ranges::copy(intrinsic_names(*camera), std::back_inserter(names));
+    for (Eigen::Index i = 0; i < camera->camera.parameters.size(); ++i) {
+      parameters.list.push_back({.left = camera == &left, .intrinsic = i, .motion = {}});
+    }
+    std::ranges::copy(extrinsic_names(*camera), std::back_inserter(names));
+    for (Eigen::Index i = 0; i < 6; ++i) {
+      parameters.list.push_back({.left = camera == &left, .intrinsic = {}, .motion = i});
+    }
+  }
+  parameters.covariance = covariance.block(names);
+  for (Eigen::Index i = 0; i < std::ssize(names); ++i) {
+    parameters.list[static_cast<std::size_t>(i)].step =
+        kStep_sigmas * std::sqrt(std::max(parameters.covariance(i, i), 0.0));
+  }
+  return parameters;
 }
 
-RigCamera moved(RigCamera camera, const Parameter& parameter, double step) {
-  if (parameter.own >= 0) {
-    camera.camera.parameters[parameter.own] += step;
+// A camera with one parameter a step away.
+RigCamera moved(RigCamera camera, const Parameter& parameter) {
+  if (parameter.intrinsic) {
+    camera.camera.parameters[*parameter.intrinsic] += parameter.step;
   } else {
-    Eigen::Matrix<double, 6, 1> motion = Eigen::Matrix<double, 6, 1>::Zero();
-    motion[parameter.motion] = step;
+    const Eigen::Matrix<double, 6, 1> motion = parameter.step * Eigen::Matrix<double, 6, 1>::Unit(*parameter.motion);
     camera.camera_from_rig = perturbed(camera.camera_from_rig, motion);
   }
   return camera;
+}
+
+// Sigma of what depends on the parameters.
+//
+// @param change  of it with one parameter's step
+template <typename Change>
+double sigma_of(const Parameters& parameters, const Change& change) {
+  Eigen::RowVectorXd by_parameters = Eigen::RowVectorXd::Zero(std::ssize(parameters.list));
+  for (Eigen::Index i = 0; i < by_parameters.size(); ++i) {
+    const Parameter& parameter = parameters.list[static_cast<std::size_t>(i)];
+    if (parameter.step > 0.0) by_parameters[i] = change(parameter) / parameter.step;
+  }
+  return std::sqrt(std::max(0.0, (by_parameters * parameters.covariance * by_parameters.transpose()).value()));
+}
+
+double baseline(const RigCamera& a, const RigCamera& b) {
+  return (a.camera_from_rig.inverse().translation - b.camera_from_rig.inverse().translation).norm();
 }
 
 // The column of the rectified image at which a camera, believed to be as given, sees its pixel.
@@ -56,85 +89,64 @@ std::optional<double> column_of(const RectifiedCamera& rectified, const Eigen::Q
   return at->x();
 }
 
-}  // namespace
-
-CalibrationSigma calibration_sigma(const Covariance& covariance, const RigCamera& left, const RigCamera& right,
-                                   const Rectification& pair) {
-  CalibrationSigma sigma;
-  const ImageSize size = pair.camera.size;
-  sigma.disparity_sigma_px.assign(static_cast<std::size_t>(size.width) * size.height, 0.0F);
-  std::vector<Parameter> parameters;
-  for (std::size_t i = 0; i < covariance.names.size(); ++i) {
-    for (const bool is_left : {true, false}) {
-      const auto parameter =
-          parameter_of(covariance.names[i], static_cast<Eigen::Index>(i), is_left ? left : right, is_left);
-      if (parameter) parameters.push_back(*parameter);
-    }
-  }
-  if (parameters.empty()) return sigma;
-
-  const auto count = static_cast<Eigen::Index>(parameters.size());
-  Eigen::MatrixXd joint(count, count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    for (Eigen::Index j = 0; j < count; ++j) {
-      joint(i, j) = covariance.matrix(parameters[static_cast<std::size_t>(i)].index,
-                                      parameters[static_cast<std::size_t>(j)].index);
-    }
-  }
-  const auto step_of = [&](Eigen::Index i) { return 0.1 * std::sqrt(std::max(joint(i, i), 0.0)); };
-
+// Sigma of the disparity at a pixel of the rectified image; nothing where one of the cameras sees nothing.
+std::optional<double> disparity_sigma(const Parameters& parameters, const RigCamera& left, const RigCamera& right,
+                                      const Rectification& pair, const Eigen::Vector2d& rectified_pixel) {
+  const auto ray = pair.camera.ray_from_pixel(rectified_pixel);
+  if (!ray) return std::nullopt;
+  const auto left_pixel = pixel_from_ray(left.camera, pair.rectified_from_left.conjugate() * *ray);
+  const auto right_pixel = pixel_from_ray(right.camera, pair.rectified_from_right.conjugate() * *ray);
+  if (!left_pixel || !right_pixel) return std::nullopt;
   const Eigen::Quaterniond rectified_from_rig = pair.rig_from_rectified.rotation.conjugate();
-  const auto baseline = [](const RigCamera& a, const RigCamera& b) {
-    return (a.camera_from_rig.inverse().translation - b.camera_from_rig.inverse().translation).norm();
-  };
-  Eigen::RowVectorXd baseline_wrt = Eigen::RowVectorXd::Zero(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Parameter& parameter = parameters[static_cast<std::size_t>(i)];
-    if (!(step_of(i) > 0)) continue;
-    const double changed = parameter.left ? baseline(moved(left, parameter, step_of(i)), right)
-                                          : baseline(left, moved(right, parameter, step_of(i)));
-    baseline_wrt[i] = (changed - pair.baseline_m) / step_of(i);
-  }
-  sigma.relative_baseline =
-      std::sqrt(std::max(0.0, (baseline_wrt * joint * baseline_wrt.transpose()).value())) / pair.baseline_m;
+  return sigma_of(parameters, [&](const Parameter& parameter) {
+    const auto at = column_of(pair.camera, rectified_from_rig, moved(parameter.left ? left : right, parameter),
+                              parameter.left ? *left_pixel : *right_pixel);
+    return at ? (parameter.left ? 1.0 : -1.0) * (*at - rectified_pixel.x()) : 0.0;
+  });
+}
 
-  Eigen::MatrixXd nodes = Eigen::MatrixXd::Constant(kNodes, kNodes, -1.0);
-  for (int row = 0; row < kNodes; ++row) {
-    for (int column = 0; column < kNodes; ++column) {
-      const Eigen::Vector2d rectified_pixel(column * (size.width - 1.0) / (kNodes - 1),
-                                            row * (size.height - 1.0) / (kNodes - 1));
-      const auto ray = pair.camera.ray_from_pixel(rectified_pixel);
-      if (!ray) continue;
-      const auto left_pixel = pixel_from_ray(left.camera, pair.rectified_from_left.conjugate() * *ray);
-      const auto right_pixel = pixel_from_ray(right.camera, pair.rectified_from_right.conjugate() * *ray);
-      if (!left_pixel || !right_pixel) continue;
-      Eigen::RowVectorXd disparity_wrt = Eigen::RowVectorXd::Zero(count);
-      for (Eigen::Index i = 0; i < count; ++i) {
-        const Parameter& parameter = parameters[static_cast<std::size_t>(i)];
-        if (!(step_of(i) > 0)) continue;
-        const auto at =
-            column_of(pair.camera, rectified_from_rig, moved(parameter.left ? left : right, parameter, step_of(i)),
-                      parameter.left ? *left_pixel : *right_pixel);
-        if (at) disparity_wrt[i] = (parameter.left ? 1.0 : -1.0) * (*at - rectified_pixel.x()) / step_of(i);
-      }
-      nodes(row, column) = std::sqrt(std::max(0.0, (disparity_wrt * joint * disparity_wrt.transpose()).value()));
-    }
-  }
-  // Where one of the cameras sees nothing there is nothing to match; the largest stands in so that rims interpolate.
-  const double largest = nodes.maxCoeff();
+// At every pixel, from the nodes of a grid over the image.
+std::vector<float> interpolated(const Eigen::MatrixXd& nodes, ImageSize size) {
+  std::vector<float> values(static_cast<std::size_t>(size.width) * size.height);
   for (int v = 0; v < size.height; ++v) {
     const double y = v * (kNodes - 1.0) / (size.height - 1.0);
     const int j = std::min(static_cast<int>(y), kNodes - 2);
     for (int u = 0; u < size.width; ++u) {
       const double x = u * (kNodes - 1.0) / (size.width - 1.0);
       const int i = std::min(static_cast<int>(x), kNodes - 2);
-      const auto node = [&](int dj, int di) { return nodes(j + dj, i + di) < 0 ? largest : nodes(j + dj, i + di); };
-      const double top = (1 - (x - i)) * node(0, 0) + (x - i) * node(0, 1);
-      const double bottom = (1 - (x - i)) * node(1, 0) + (x - i) * node(1, 1);
-      sigma.disparity_sigma_px[static_cast<std::size_t>(v) * size.width + u] =
-          static_cast<float>(std::max(0.0, (1 - (y - j)) * top + (y - j) * bottom));
+      const double top = (1 - (x - i)) * nodes(j, i) + (x - i) * nodes(j, i + 1);
+      const double bottom = (1 - (x - i)) * nodes(j + 1, i) + (x - i) * nodes(j + 1, i + 1);
+      values[static_cast<std::size_t>(v) * size.width + u] = static_cast<float>((1 - (y - j)) * top + (y - j) * bottom);
     }
   }
+  return values;
+}
+
+}  // namespace
+
+CalibrationSigma calibration_sigma(const Covariance& covariance, const RigCamera& left, const RigCamera& right,
+                                   const Rectification& pair) {
+  const Parameters parameters = parameters_of(covariance, left, right);
+  const ImageSize size = pair.camera.size;
+  CalibrationSigma sigma;
+  sigma.relative_baseline = sigma_of(parameters,
+                                     [&](const Parameter& parameter) {
+                                       const double changed = parameter.left ? baseline(moved(left, parameter), right)
+                                                                             : baseline(left, moved(right, parameter));
+                                       return changed - pair.baseline_m;
+                                     }) /
+                            pair.baseline_m;
+  Eigen::MatrixXd nodes(kNodes, kNodes);
+  for (int row = 0; row < kNodes; ++row) {
+    for (int column = 0; column < kNodes; ++column) {
+      const Eigen::Vector2d pixel(column * (size.width - 1.0) / (kNodes - 1), row * (size.height - 1.0) / (kNodes - 1));
+      nodes(row, column) = disparity_sigma(parameters, left, right, pair, pixel).value_or(-1.0);
+    }
+  }
+  // Where one of the cameras sees nothing there is nothing to match; the largest stands in so that rims interpolate.
+  const double largest = std::max(0.0, nodes.maxCoeff());
+  nodes = (nodes.array() < 0.0).select(largest, nodes);
+  sigma.disparity_sigma_px = interpolated(nodes, size);
   return sigma;
 }
 

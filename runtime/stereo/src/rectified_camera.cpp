@@ -35,9 +35,7 @@ std::optional<Eigen::Vector3d> RectifiedCamera::ray_from_pixel(const Eigen::Vect
   return Eigen::Vector3d(std::sin(plane.x()), across * std::sin(plane.y()), across * std::cos(plane.y()));
 }
 
-bool RectifiedCamera::contains(const Eigen::Vector2d& pixel) const {
-  return (pixel.array() >= -0.5).all() && pixel.x() < size.width - 0.5 && pixel.y() < size.height - 0.5;
-}
+bool RectifiedCamera::contains(const Eigen::Vector2d& pixel) const { return size.contains(pixel); }
 
 double distance_from_disparity(const RectifiedCamera& camera, double baseline_m, double x_px, double disparity_px) {
   if (camera.projection == RectifiedProjection::kPinhole) return camera.focal_px * baseline_m / disparity_px;

@@ -12,9 +12,7 @@ std::optional<CurvePoint> point_at(const Camera& camera, const Line3& line, doub
   if (std::abs(line.direction.z()) < 1e-6) return std::nullopt;
   const double along = (depth_m - line.point.z()) / line.direction.z();
   const auto pixel = pixel_from_ray(camera, line.at(along));
-  const bool inside = pixel && (pixel->array() > -0.5).all() && pixel->x() < camera.size.width - 0.5 &&
-                      pixel->y() < camera.size.height - 0.5;
-  return inside ? std::optional(CurvePoint{*pixel, depth_m}) : std::nullopt;
+  return pixel && camera.size.contains(*pixel) ? std::optional(CurvePoint{*pixel, depth_m}) : std::nullopt;
 }
 
 }  // namespace

@@ -53,6 +53,11 @@ struct ImageSize {
   int width = 0;
   int height = 0;
   friend bool operator==(ImageSize, ImageSize) = default;
+
+  /// The image covers its pixels to their edges: -0.5 <= u < width - 0.5, and so for v; see docs/conventions.md.
+  bool contains(const Eigen::Vector2d& pixel) const {
+    return pixel.x() >= -0.5 && pixel.y() >= -0.5 && pixel.x() < width - 0.5 && pixel.y() < height - 0.5;
+  }
 };
 
 /// A calibrated camera. `parameters` has as many entries as parameter_names(model).

@@ -52,6 +52,12 @@ struct Covariance {
 
   /// Standard deviation by name; 0 for a parameter that was not estimated.
   double sigma(const std::string& name) const;
+
+  /// Where each of the names stands; -1 for parameters that were not estimated.
+  std::vector<int> places_of(const std::vector<std::string>& some) const;
+
+  /// The part of the matrix for some names, in their order; zero for those that were not estimated.
+  Eigen::MatrixXd block(const std::vector<std::string>& some) const;
 };
 
 /// What is saved: intrinsics, extrinsics, board shapes and how well they are known.

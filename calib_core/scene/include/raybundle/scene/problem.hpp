@@ -57,7 +57,7 @@ struct CalibrationProblem {
   std::vector<std::string> frames;     ///< names of the moments
   std::vector<TargetView> views;       ///< at most one for each camera, frame and target
   std::vector<ParameterRule> rules;
-  std::vector<ParameterRule> lens_priors = {};  ///< what calibrate() takes for granted, and fills; any rule overrides it
+  std::vector<ParameterRule> lens_priors = {};  ///< filled by calibrate(); any rule overrides them
   std::optional<ProblemLaser> laser;            ///< without it no view has dots
   std::optional<Survey> survey = {};            ///< landmarks that take part, in images of their own
 };

@@ -21,6 +21,9 @@ struct BoardShape {
   double bend_x_m = 0.0;
   double bend_y_m = 0.0;
   double twist_m = 0.0;
+
+  Eigen::Vector3d sags() const { return {bend_x_m, bend_y_m, twist_m}; }
+  static BoardShape from_sags(const Eigen::Vector3d& sags) { return {sags.x(), sags.y(), sags.z()}; }
 };
 
 /// A relabelling under which the printed board looks the same, as ids[i] -> image of points[i].id; a board turned by
