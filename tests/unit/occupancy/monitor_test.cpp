@@ -158,6 +158,27 @@ TEST(Monitor, InvalidIsNoDefault) {
   }
 }
 
+// A scan of another sensor says nothing, wherever its points lie; and what was before it says nothing of what follows.
+TEST(Monitor, AScanOfOtherRaysIsInvalid) {
+  const std::vector<ScenePoint> adult = scene(true, 0.2, 0.0, 915);
+  std::vector<ScenePoint> beyond = adult, negative = adult, twice = adult;
+  beyond[7].ray = kRays;
+  negative[7].ray = -1;
+  twice.push_back(adult[0]);
+  Scan fewer = scan_of(adult), more = scan_of(adult);
+  fewer.rays = kRays - 1;
+  more.rays = kRays + 1;
+  OccupancyMonitor monitor({}, shared_base(), kRays);
+  for (const Scan& scan : {scan_of(beyond), scan_of(negative), scan_of(twice), fewer, more}) {
+    ASSERT_EQ(after(monitor, adult, 3).action, AirbagAction::kFire);
+    const Occupancy answer = monitor.process(scan);
+    EXPECT_EQ(answer.state, State::kInvalid);
+    EXPECT_EQ(answer.action, AirbagAction::kUndecided);
+    EXPECT_EQ(answer.group, -1);
+    EXPECT_EQ(after(monitor, adult, 2).action, AirbagAction::kUndecided);
+  }
+}
+
 // What the base has never seen: everything half a metre nearer to the eye.
 TEST(Monitor, WhatIsFarFromAllCasesIsUndecided) {
   OccupancyMonitor monitor({}, shared_base(), kRays);
