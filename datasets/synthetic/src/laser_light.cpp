@@ -69,7 +69,7 @@ LaserLight::LaserLight(const SimulatedRig& rig, const SimulatedCamera& camera, c
       camera_from_target_(camera.camera_from_rig * target_from_rig.inverse()) {}
 
 std::optional<Eigen::Vector2d> LaserLight::pixel_of(const Eigen::Vector3d& x_in_target) const {
-  const auto pixel = pixel_from_ray(camera_->camera, camera_from_target_ * x_in_target);
+  auto pixel = pixel_from_ray(camera_->camera, camera_from_target_ * x_in_target);
   const ImageSize size = camera_->camera.size;
   if (!pixel ||
       !(pixel->x() > -0.5 && pixel->y() > -0.5 && pixel->x() < size.width - 0.5 && pixel->y() < size.height - 0.5)) {
