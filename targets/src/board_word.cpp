@@ -141,7 +141,7 @@ Board parse(const BoardKind& kind, std::string_view fields_text) {
 // In millimetres when that reads back to the same double, else in metres, which always does.
 std::string length_text(double length_m) {
   for (int decimals = 0; decimals <= 12; ++decimals) {
-    const std::string text = fmt::format("{:.{}f}mm", length_m * 1000.0, decimals);
+    std::string text = fmt::format("{:.{}f}mm", length_m * 1000.0, decimals);
     if (length_of(text) == length_m) return text;
   }
   return fmt::format("{}m", length_m);

@@ -22,7 +22,8 @@ std::vector<ScenePoint> scene(bool somebody, double front_x, double noise_m, std
   Random random(seed);
   std::vector<ScenePoint> points;
   for (int i = 0; i < kRays; ++i) {
-    Eigen::Vector3d end(-0.5 + (i % 12) * 0.1, -0.25 + (i / 12) * 0.04, -0.1);
+    const int column = i % 12, row = i / 12;
+    Eigen::Vector3d end(-0.5 + column * 0.1, -0.25 + row * 0.04, -0.1);
     if (somebody) {
       const double t = (kEye.z() - 0.4) / (kEye.z() - end.z());  // where the ray meets the plate's height
       const Eigen::Vector3d on_plate = kEye + t * (end - kEye);

@@ -11,8 +11,10 @@
 
 int main() {
   using namespace raybundle;
-  Target square{.name = "square", .points = {}, .symmetries = {}};
-  for (int id = 0; id < 4; ++id) square.points.push_back({id, {0.1 * (id % 2), 0.1 * (id / 2), 0.0}});
+  const Target square{
+      .name = "square",
+      .points = {{0, {0.0, 0.0, 0.0}}, {1, {0.1, 0.0, 0.0}}, {2, {0.0, 0.1, 0.0}}, {3, {0.1, 0.1, 0.0}}},
+      .symmetries = {}};
   const std::map<std::string, ImageSize> sizes{{"left", {640, 480}}};
   try {
     CalibrationProblem problem = observations_from_csv_text(
