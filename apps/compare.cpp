@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <CLI/App.hpp>
-#include <cstdlib>
 #include <map>
 #include <memory>
 
@@ -11,6 +10,7 @@
 #include "number_flags.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
+#include "raybundle/scene/number.hpp"
 #include "verbs.hpp"
 
 namespace raybundle::apps {
@@ -55,10 +55,8 @@ std::vector<std::string> missed_gates(const CompareFlags& flags, const Calibrati
 
 // What is wrong with the text of a distance; empty: nothing. CLI11's own check refuses infinity.
 std::string positive_or_infinite(const std::string& text) {
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  const bool number = end != text.c_str() && *end == '\0';
-  return number && value > 0.0 ? "" : "'" + text + "' is no distance: write metres, as 0.5, or inf";
+  return number_from<double>(text).value_or(0.0) > 0.0 ? ""
+                                                       : "'" + text + "' is no distance: write metres, as 0.5, or inf";
 }
 
 void run(const CompareFlags& flags) {

@@ -4,13 +4,14 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <set>
 
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/scene/csv.hpp"
+#include "raybundle/scene/number.hpp"
 #include "raybundle/scene/suggestion.hpp"
 #include "raybundle/targets/board_toml.hpp"
 #include "table_reader.hpp"
@@ -29,14 +30,12 @@ DatasetCamera camera_from(const toml::table& table, const std::string& file) {
 
 LaserGrid grid_from(const std::string& word, const TableReader& reader) {
   constexpr int kMost = 64;
-  LaserGrid grid;
-  char end = 0;
-  const bool read = std::sscanf(word.c_str(), "%dx%d%c", &grid.columns, &grid.rows, &end) == 2;
-  if (!read || grid.columns < 1 || grid.rows < 1 || grid.columns > kMost || grid.rows > kMost) {
+  const auto [columns, rows] = two_numbers_from<int>(word, 'x').value_or(std::array{0, 0});
+  if (columns < 1 || rows < 1 || columns > kMost || rows > kMost) {
     reader.fail(nullptr,
                 fmt::format("[laser].grid is '{}', but must be COLUMNSxROWS of beams up to 64x64, as \"11x11\"", word));
   }
-  return grid;
+  return {rows, columns};
 }
 
 // Two numbers in brackets.
@@ -118,7 +117,9 @@ SurveyInput survey_from(const toml::table& table, const std::string& file) {
 DatasetBoard board_from(const toml::table& table, const std::string& file, std::size_t index) {
   const std::string folder = std::filesystem::path(file).parent_path().string();
   const std::string fallback = index == 0 ? "board" : fmt::format("board{}", index + 1);
-  return {table["name"].value_or(fallback), board_from_toml(table, file, folder, {"name"})};
+  TableReader reader(table, "[target]", file);
+  return {reader.value<std::string>("name", "a text in quotes").value_or(fallback),
+          board_from_toml(table, file, folder, {"name"})};
 }
 
 ParameterRule rule_from(const toml::table& table, const std::string& file) {
@@ -151,16 +152,11 @@ void read_options(const toml::table& table, const std::string& file, CalibrateOp
 }
 
 double number(const std::string& text, const std::string& flag) {
-  std::size_t end = 0;
-  double value = std::nan("");
-  try {
-    value = std::stod(text, &end);
-  } catch (const std::exception&) {
-  }
-  if (end != text.size() || !std::isfinite(value)) {
+  const std::optional<double> value = number_from<double>(text);
+  if (!value || !std::isfinite(*value)) {
     throw Error(ErrorKind::kBadInput, fmt::format("'{}' is not a number in '{}'", text, flag));
   }
-  return value;
+  return *value;
 }
 
 // What to do about the mistakes in TOML that people make most.
@@ -251,19 +247,21 @@ DatasetCamera camera_from_flag(const std::string& flag, const std::string& model
 }
 
 DatasetAnchor anchor_from_flag(const std::string& flag) {
-  const std::size_t slash = flag.find('/'), colon = flag.rfind(':');
-  DatasetAnchor anchor;
-  char end = 0;
-  const bool read = slash != std::string::npos && colon != std::string::npos && slash > 0 && slash + 1 < colon &&
-                    std::sscanf(flag.c_str() + colon + 1, "%lf,%lf=%d,%d%c", &anchor.pixel[0], &anchor.pixel[1],
-                                &anchor.row, &anchor.column, &end) == 4;
-  if (!read || !anchor.pixel.allFinite()) {
+  const std::size_t slash = flag.find('/'), colon = flag.rfind(':'), equals = flag.find('=', colon);
+  const bool parts = slash != std::string::npos && colon != std::string::npos && equals != std::string::npos &&
+                     slash > 0 && slash + 1 < colon;
+  const std::string_view text = flag;
+  const auto pixel = parts ? two_numbers_from<double>(text.substr(colon + 1, equals - colon - 1), ',') : std::nullopt;
+  const auto label = parts ? two_numbers_from<int>(text.substr(equals + 1), ',') : std::nullopt;
+  if (!pixel || !label || !std::isfinite((*pixel)[0]) || !std::isfinite((*pixel)[1])) {
     throw Error(ErrorKind::kBadInput,
                 fmt::format("--anchor '{}' must be CAMERA/FRAME:U,V=ROW,COLUMN, as in left/12:320.5,240=5,5", flag));
   }
-  anchor.camera = flag.substr(0, slash);
-  anchor.frame = flag.substr(slash + 1, colon - slash - 1);
-  return anchor;
+  return {flag.substr(0, slash),
+          flag.substr(slash + 1, colon - slash - 1),
+          {(*pixel)[0], (*pixel)[1]},
+          (*label)[0],
+          (*label)[1]};
 }
 
 ParameterRule rule_from_flag(ParameterRule::Kind kind, const std::string& flag) {

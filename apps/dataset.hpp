@@ -46,7 +46,7 @@ struct DatasetLaser {
   std::optional<DatasetAnchor> anchor;
 };
 
-/// What a person writes: boards, cameras, images, options. The TOML form is shown in DESIGN and
+/// What a person writes: boards, cameras, images, options. The TOML form is shown in
 /// docs/formats/dataset.md.
 struct Dataset {
   std::string folder;  ///< that image patterns are relative to

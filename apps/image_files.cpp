@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -17,9 +16,9 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
-#include <thread>
 
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/threads.hpp"
 #include "raybundle/io/frame_names.hpp"
 #include "terminal.hpp"
 
@@ -271,31 +270,14 @@ std::vector<std::string> for_each_frame(
     const std::function<void(std::size_t file)>& done) {
   std::vector<std::string> reasons(files.size());
   Progress progress(what, static_cast<int>(files.size()));
-  std::atomic<std::size_t> next{0};
   std::mutex guard;
-  std::exception_ptr failure;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < files.size(); i = next++) {
-      try {
-        reasons[i] =
-            for_each_frame(files[i], [&](const cv::Mat& gray, const std::string& frame) { use(i, gray, frame); });
-        const std::scoped_lock lock(guard);
-        if (reasons[i].empty() && done) done(i);
-      } catch (...) {
-        const std::scoped_lock lock(guard);
-        if (!failure) failure = std::current_exception();
-        next = files.size();
-      }
-      const std::scoped_lock lock(guard);
-      progress.advance();
-    }
-  };
   if (threads > 1) cv::setNumThreads(1);  // one image a thread: OpenCV's own threads would only be in the way
-  std::vector<std::jthread> workers;
-  for (int t = 1; t < threads; ++t) workers.emplace_back(work);
-  work();
-  workers.clear();
-  if (failure) std::rethrow_exception(failure);
+  for_each_index(files.size(), threads, [&](std::size_t i) {
+    reasons[i] = for_each_frame(files[i], [&](const cv::Mat& gray, const std::string& frame) { use(i, gray, frame); });
+    const std::scoped_lock lock(guard);
+    if (reasons[i].empty() && done) done(i);
+    progress.advance();
+  });
   return reasons;
 }
 

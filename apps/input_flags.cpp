@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <filesystem>
 #include <map>
 
@@ -11,6 +12,7 @@
 #include "misnumbered_views.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/observation_tables.hpp"
+#include "raybundle/scene/number.hpp"
 #include "raybundle/scene/suggestion.hpp"
 #include "raybundle/targets/board_file.hpp"
 #include "repeated_views.hpp"
@@ -45,13 +47,11 @@ std::map<std::string, ImageSize> sizes_of(const InputFlags& flags) {
   std::map<std::string, ImageSize> sizes;
   for (const std::string& flag : flags.sizes) {
     const auto [name, text] = name_and_value(flag, "--image-size left=1280x960");
-    ImageSize size;
-    char end = 0;
-    if (std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &end) != 2 || size.width < 2 ||
-        size.height < 2 || size.width > 100000 || size.height > 100000) {
+    const auto [width, height] = two_numbers_from<int>(text, 'x').value_or(std::array{0, 0});
+    if (width < 2 || height < 2 || width > 100000 || height > 100000) {
       refuse(fmt::format("'{}' must be WIDTHxHEIGHT in pixels, as in --image-size {}=1280x960", flag, name));
     }
-    sizes[name] = size;
+    sizes[name] = {width, height};
   }
   return sizes;
 }

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pose_json.hpp"
+#include "raybundle/scene/number.hpp"
 
 namespace raybundle::apps {
 namespace {
@@ -74,7 +75,9 @@ Json json_of(const NextViews& next, const CalibrationResult& result) {
 }
 
 // Four digits are more than a map shows.
-Json rounded(double value) { return std::isfinite(value) ? Json(std::stod(fmt::format("{:.4g}", value))) : Json(); }
+Json rounded(double value) {
+  return std::isfinite(value) ? Json(number_from<double>(fmt::format("{:.4g}", value)).value_or(value)) : Json();
+}
 
 // By the corners' noise or by how the frames scatter, whichever is larger.
 UncertaintyMap larger_map(const RigCamera& camera, const Calibration& calibration, double range_m) {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <cstdio>
+#include <array>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -16,6 +16,7 @@
 #include "raybundle/occupancy/case_base_file.hpp"
 #include "raybundle/scene/atomic_file.hpp"
 #include "raybundle/scene/csv.hpp"
+#include "raybundle/scene/number.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 
@@ -40,9 +41,8 @@ SensorKind kind_of(const std::string& sensor) {
 }
 
 LaserGrid grid_of(const std::string& word) {
-  int columns = 0, rows = 0, end = 0;
-  const bool read = std::sscanf(word.c_str(), "%2dx%2d%n", &columns, &rows, &end) == 2;
-  if (!read || end != static_cast<int>(word.size()) || columns < 2 || rows < 2 || columns > 64 || rows > 64) {
+  const auto [columns, rows] = two_numbers_from<int>(word, 'x').value_or(std::array{0, 0});
+  if (columns < 2 || rows < 2 || columns > 64 || rows > 64) {
     throw Error(ErrorKind::kBadInput,
                 fmt::format("--beams {} is not COLUMNSxROWS of 2 to 64 beams, as in 11x11", word));
   }

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <optional>
 
-#include "each_index.hpp"
 #include "occupancy_chain.hpp"
+#include "raybundle/geometry/threads.hpp"
 #include "raybundle/occupancy/seat_fit.hpp"
 
 namespace raybundle::apps {

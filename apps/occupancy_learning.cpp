@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
-#include "each_index.hpp"
 #include "occupancy_chain.hpp"
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/threads.hpp"
 #include "raybundle/synthetic/random.hpp"
 
 namespace raybundle::apps {

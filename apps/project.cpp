@@ -3,16 +3,19 @@
 #include <fmt/format.h>
 
 #include <CLI/App.hpp>
-#include <cstdio>
+#include <algorithm>
+#include <array>
 #include <functional>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "chosen_camera.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
+#include "raybundle/scene/number.hpp"
 #include "verbs.hpp"
 
 namespace raybundle::apps {
@@ -26,20 +29,23 @@ struct ProjectFlags {
 // Numbers of a line, separated by commas or blanks.
 template <std::size_t count>
 std::array<double, count> numbers_in(const std::string& line, int number) {
-  std::string blank_separated = line;
-  std::ranges::replace(blank_separated, ',', ' ');
-  const char* rest = blank_separated.c_str();
+  constexpr std::string_view kBetween = ", \t\r";
+  std::string_view rest = line;
+  const auto skip = [&] { rest.remove_prefix(std::min(rest.find_first_not_of(kBetween), rest.size())); };
   std::array<double, count> values{};
   for (double& value : values) {
-    char* end = nullptr;
-    value = std::strtod(rest, &end);
-    if (end == rest) {
+    skip();
+    const std::string_view word = rest.substr(0, rest.find_first_of(kBetween));
+    const std::optional<double> found = number_from<double>(word);
+    if (!found) {
       throw Error(ErrorKind::kBadInput, fmt::format("'{}' is not {} numbers separated by commas", line, count),
                   fmt::format("standard input:{}", number));
     }
-    rest = end;
+    value = *found;
+    rest.remove_prefix(word.size());
   }
-  if (std::string(rest).find_first_not_of(" \t\r") != std::string::npos) {
+  skip();
+  if (!rest.empty()) {
     throw Error(ErrorKind::kBadInput, fmt::format("'{}' has more than {} numbers", line, count),
                 fmt::format("standard input:{}", number));
   }

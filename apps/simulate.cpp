@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -14,6 +14,7 @@
 #include "number_flags.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/scene/atomic_file.hpp"
+#include "raybundle/scene/number.hpp"
 #include "simulated_files.hpp"
 #include "simulated_images.hpp"
 #include "terminal.hpp"
@@ -55,10 +56,9 @@ std::string command_of(const SimulateFlags& flags) {
 }
 
 LaserGrid grid_of(const std::string& word) {
-  int columns = 0, rows = 0, end = 0;
   constexpr int kMost = 64;
-  const bool read = std::sscanf(word.c_str(), "%2dx%2d%n", &columns, &rows, &end) == 2;
-  if (!read || end != static_cast<int>(word.size()) || columns < 2 || columns > kMost || rows < 2 || rows > kMost) {
+  const auto [columns, rows] = two_numbers_from<int>(word, 'x').value_or(std::array{0, 0});
+  if (columns < 2 || columns > kMost || rows < 2 || rows > kMost) {
     throw Error(ErrorKind::kBadInput,
                 fmt::format("--beams {} is not COLUMNSxROWS of 2 to {} beams each, as in 19x16", word, kMost));
   }

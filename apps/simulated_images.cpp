@@ -9,8 +9,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
 
-#include "each_index.hpp"
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/threads.hpp"
 #include "raybundle/scene/atomic_file.hpp"
 #include "raybundle/synthetic/render.hpp"
 #include "terminal.hpp"

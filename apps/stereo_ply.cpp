@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cstdio>
 #include <cstring>
+#include <string_view>
+
+#include "raybundle/scene/number.hpp"
 
 namespace raybundle::apps {
 namespace {
@@ -39,10 +41,10 @@ std::string stereo_ply(const StereoFrame& frame) {
 std::optional<std::vector<StereoPoint>> points_of_stereo_ply(const std::string& bytes) {
   const std::size_t header = bytes.find(kEnd), vertices = bytes.find(kVertices);
   if (header == std::string::npos || vertices > header) return std::nullopt;
-  int count = 0;
-  const std::size_t begin = header + std::strlen(kEnd);
-  if (std::sscanf(bytes.c_str() + vertices + std::strlen(kVertices), "%9d", &count) != 1 || count < 0 ||
-      bytes.size() != begin + static_cast<std::size_t>(count) * kRecord) {
+  const std::size_t digits = vertices + std::strlen(kVertices), begin = header + std::strlen(kEnd);
+  const int count =
+      number_from<int>(std::string_view(bytes).substr(digits, bytes.find('\n', digits) - digits)).value_or(-1);
+  if (count < 0 || bytes.size() != begin + static_cast<std::size_t>(count) * kRecord) {
     return std::nullopt;
   }
   std::vector<StereoPoint> points(static_cast<std::size_t>(count));

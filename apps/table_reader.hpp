@@ -35,7 +35,7 @@ class TableReader {
   std::optional<T> value(const std::string& key, const char* what) {
     const toml::node* node = get(key);
     if (node == nullptr) return std::nullopt;
-    const std::optional<T> value = node->value<T>();
+    std::optional<T> value = node->value<T>();
     if (!value) fail(node, fmt::format("{}.{} must be {}", name_, key, what));
     return value;
   }

@@ -15,9 +15,9 @@
 #include <string>
 #include <vector>
 
-#include "each_index.hpp"
 #include "occupancy_chain.hpp"
 #include "raybundle/geometry/quantile.hpp"
+#include "raybundle/geometry/threads.hpp"
 #include "raybundle/occupancy/head.hpp"
 #include "support/bar.hpp"
 #include "thinning.hpp"

@@ -12,8 +12,8 @@
 #include <iterator>
 #include <vector>
 
-#include "each_index.hpp"
 #include "occupancy_chain.hpp"
+#include "raybundle/geometry/threads.hpp"
 #include "raybundle/occupancy/seat_fit.hpp"
 #include "support/bar.hpp"
 #include "thinning.hpp"

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <optional>
 #include <string_view>
 #include <utility>
 
 #include "board_point_set.hpp"
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/scene/number.hpp"
 #include "raybundle/scene/suggestion.hpp"
 #include "raybundle/targets/board.hpp"
 #include "raybundle/targets/board_kind.hpp"
@@ -26,29 +26,21 @@ struct Unit {
 };
 constexpr std::array<Unit, 4> kUnits{{{"mm", "e-3", 1.0}, {"cm", "e-2", 1.0}, {"in", "", 0.0254}, {"m", "", 1.0}}};
 
-template <typename Number>
-std::optional<Number> number_of(std::string_view text) {
-  Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 [[noreturn]] void refuse(const std::string& reason) { throw Error(ErrorKind::kBadInput, reason); }
 
 double length_of(std::string_view text) {
   for (const Unit& unit : kUnits) {
     if (!text.ends_with(unit.name)) continue;
     const std::string digits(text.substr(0, text.size() - unit.name.size()));
-    const auto value = number_of<double>(digits + std::string(unit.shift));
+    const auto value = number_from<double>(digits + std::string(unit.shift));
     if (value) return *value * unit.times;
   }
-  if (number_of<double>(text)) refuse(fmt::format("\"{}\" has no unit (mm, cm, m, in)", text));
+  if (number_from<double>(text)) refuse(fmt::format("\"{}\" has no unit (mm, cm, m, in)", text));
   refuse(fmt::format("\"{}\" is not a length with its unit (mm, cm, m, in)", text));
 }
 
 int count_of(std::string_view text) {
-  if (const auto value = number_of<int>(text)) return *value;
+  if (const auto value = number_from<int>(text)) return *value;
   refuse(fmt::format("\"{}\" is not a whole number", text));
 }
 
@@ -66,7 +58,7 @@ FieldValue value_of(const BoardField& field, std::string_view text) {
     case FieldForm::kLength:
       return length_of(text);
     case FieldForm::kRatio:
-      if (const auto value = number_of<double>(text)) return *value;
+      if (const auto value = number_from<double>(text)) return *value;
       refuse(fmt::format("\"{}\" is not a number", text));
     case FieldForm::kBits:
       if (text.ends_with("bit")) return count_of(text.substr(0, text.size() - 3));
@@ -149,7 +141,7 @@ Board parse(const BoardKind& kind, std::string_view fields_text) {
 // In millimetres when that reads back to the same double, else in metres, which always does.
 std::string length_text(double length_m) {
   for (int decimals = 0; decimals <= 12; ++decimals) {
-    const std::string text = fmt::format("{:.{}f}mm", length_m * 1000.0, decimals);
+    std::string text = fmt::format("{:.{}f}mm", length_m * 1000.0, decimals);
     if (length_of(text) == length_m) return text;
   }
   return fmt::format("{}m", length_m);

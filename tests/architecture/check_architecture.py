@@ -25,13 +25,13 @@ ARROWS = {
     "calibrate": ["initialize", "uncertainty"],
     "cockpit": ["synthetic"],
     "device": ["geometry"],
-    "structured_light": ["device", "io"],
-    "stereo": ["device", "io"],
+    "structured_light": ["device", "scene"],
+    "stereo": ["device", "scene"],
     "occupancy": ["device"],
 }
 
 # Folders that may include anything, and that nothing else includes.
-LEAVES = ["apps", "python", "tests", "bench"]
+LEAVES = ["apps", "tests", "bench"]
 
 # library -> (how its headers begin, modules that may use it, whether their public headers may).
 LIBRARIES = {
@@ -40,12 +40,11 @@ LIBRARIES = {
     "AprilTag": (r"apriltag/", ["targets"], False),
     "cairo": (r"cairo", ["targets"], False),
     "GeographicLib": (r"GeographicLib/", ["geometry"], False),
-    "mrcal": (r"mrcal/", ["io", "uncertainty"], False),
+    "mrcal": (r"mrcal/", ["uncertainty"], False),
     "Embree": (r"embree", ["synthetic", "cockpit"], False),
     "OpenSSL": (r"openssl/", ["io"], False),
-    "nlohmann-json": (r"nlohmann/", ["io", "targets"], False),
-    "toml++": (r"toml\+\+/|toml\.hpp", ["io", "targets", "synthetic", "cockpit"], True),
-    "yaml-cpp": (r"yaml-cpp/", ["io"], False),
+    "nlohmann-json": (r"nlohmann/", ["io"], False),
+    "toml++": (r"toml\+\+/|toml\.hpp", ["targets", "synthetic"], True),
     "CLI11": (r"CLI/", [], False),
     "GoogleTest": (r"gtest/|gmock/", [], False),
 }

@@ -1,14 +1,23 @@
 # SPDX-FileCopyrightText: The Raybundle authors
 # SPDX-License-Identifier: Apache-2.0
 
-# Installs the build into an empty prefix, then builds and runs a program that uses it by find_package(Raybundle).
+# Installs the build into an empty prefix, then builds and runs programs that use it by find_package(Raybundle).
 # cmake -DBUILD=<build folder> -DCONSUMER=<its sources> -DWORK=<scratch folder> -DARGUMENTS=<for cmake> -P this file
 function(run)
   execute_process(COMMAND ${ARGV} COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
 
+function(run_consumer name sources)
+  run(${CMAKE_COMMAND} -S ${sources} -B ${WORK}/${name} -DCMAKE_PREFIX_PATH=${WORK}/prefix ${ARGUMENTS} ${ARGN})
+  run(${CMAKE_COMMAND} --build ${WORK}/${name})
+  run(${WORK}/${name}/consumer)
+endfunction()
+
 file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
-run(${CMAKE_COMMAND} -S ${CONSUMER} -B ${WORK}/build -DCMAKE_PREFIX_PATH=${WORK}/prefix ${ARGUMENTS})
-run(${CMAKE_COMMAND} --build ${WORK}/build)
-run(${WORK}/build/consumer)
+run_consumer(all ${CONSUMER})
+
+# Whoever wants the core alone needs nothing of what reads images and renders.
+set(others OpenCV embree AprilTag tomlplusplus)
+list(TRANSFORM others REPLACE "(.+)" "-DCMAKE_DISABLE_FIND_PACKAGE_\\1=ON")
+run_consumer(core ${CONSUMER}/core ${others})

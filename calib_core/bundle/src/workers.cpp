@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "workers.hpp"
 
+#include "raybundle/geometry/threads.hpp"
+
 namespace raybundle {
 
-Workers::Workers(int threads) {
-  for (int t = 1; t < threads; ++t) others_.emplace_back([this] { wait_for_loops(); });
-}
+Workers::Workers(int threads) : others_(start_threads(threads - 1, [this] { wait_for_loops(); })) {}
 
 Workers::~Workers() {
   loops_ = -1;

@@ -13,7 +13,7 @@ namespace raybundle {
 /// Threads that live as long as the solve and sleep between its loops.
 class Workers {
  public:
-  /// @param threads  of which the calling one is the first
+  /// @param threads  of which the calling one is the first; fewer, with the same results, when the system gives no more
   explicit Workers(int threads);
   ~Workers();
   Workers(const Workers&) = delete;

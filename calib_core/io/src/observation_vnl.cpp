@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: The Raybundle authors
 // SPDX-License-Identifier: Apache-2.0
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 
@@ -9,6 +8,7 @@
 #include "raybundle/io/frame_names.hpp"
 #include "raybundle/io/observation_tables.hpp"
 #include "raybundle/scene/csv.hpp"
+#include "raybundle/scene/number.hpp"
 
 namespace raybundle {
 namespace {
@@ -57,13 +57,12 @@ void read_comment(std::string_view line, Vnl& vnl) {
   vnl.last_is_weight = words.size() == 4 && words[3] == "weight";
 }
 
-double number_from(std::string_view word, const char* name, const Vnl& vnl) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value)) {
+double finite_number(std::string_view word, const char* name, const Vnl& vnl) {
+  const std::optional<double> value = number_from<double>(word);
+  if (!value || !std::isfinite(*value)) {
     fail_at(vnl, std::string(name) + " is " + in_quotes(word) + ", which is neither a number nor -; correct it");
   }
-  return value;
+  return *value;
 }
 
 // Nothing for a point that was not found.
@@ -72,10 +71,10 @@ std::optional<Observation> observation_from(const std::vector<std::string_view>&
     if (words[i] == "-") return std::nullopt;
   }
   Observation observation;
-  observation.pixel = {number_from(words[1], "x", vnl), number_from(words[2], "y", vnl)};
+  observation.pixel = {finite_number(words[1], "x", vnl), finite_number(words[2], "y", vnl)};
   if (observation.pixel.x() < 0 || observation.pixel.y() < 0) return std::nullopt;
   if (words.size() < 4) return observation;
-  const double last = number_from(words[3], vnl.last_is_weight ? "weight" : "level", vnl);
+  const double last = finite_number(words[3], vnl.last_is_weight ? "weight" : "level", vnl);
   if (last < 0 || (vnl.last_is_weight && last == 0)) return std::nullopt;
   observation.sigma_px = vnl.last_is_weight ? 1.0 / last : std::exp2(std::min(std::floor(last), kMaxLevel));
   if (!std::isfinite(observation.sigma_px)) fail_at(vnl, "the weight is too small; leave the point out with -");

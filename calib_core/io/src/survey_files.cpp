@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <numbers>
 #include <set>
 #include <tuple>
 
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/scene/csv.hpp"
+#include "raybundle/scene/number.hpp"
 #include "raybundle/scene/suggestion.hpp"
 
 namespace raybundle {
@@ -56,10 +56,8 @@ HeightDatum height_datum_from_word(const std::string& word) {
   if (word == "ellipsoidal") return {};
   const std::string prefix = "orthometric:";
   if (word.starts_with(prefix)) {
-    const char* text = word.c_str() + prefix.size();
-    char* end = nullptr;
-    const double geoid_m = std::strtod(text, &end);
-    if (end != text && *end == '\0' && std::abs(geoid_m) < 150.0) return {geoid_m};
+    const std::optional<double> geoid_m = number_from<double>(std::string_view(word).substr(prefix.size()));
+    if (geoid_m && std::abs(*geoid_m) < 150.0) return {*geoid_m};
   }
   throw Error(ErrorKind::kBadInput,
               in_quotes(word) +

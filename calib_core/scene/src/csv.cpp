@@ -3,7 +3,6 @@
 #include "raybundle/scene/csv.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
@@ -12,6 +11,7 @@
 #include <utility>
 
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/scene/number.hpp"
 
 namespace raybundle {
 namespace {
@@ -25,8 +25,8 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-// Takes one field and its comma off the front of `rest`; nothing when a quote stays open.
-std::optional<std::string> take_field(std::string_view& rest) {
+// Takes one field and its comma off the front of what is left of a row.
+std::string take_field(std::string_view& rest, const CsvTable& table, const CsvRow& row) {
   rest.remove_prefix(std::min(rest.find_first_not_of(" \t"), rest.size()));
   if (!rest.starts_with('"')) {
     const std::size_t comma = std::min(rest.find(','), rest.size());
@@ -42,11 +42,14 @@ std::optional<std::string> take_field(std::string_view& rest) {
       field += rest[i++];
     } else {
       const std::size_t comma = std::min(rest.find(',', i), rest.size());
+      if (!trimmed(rest.substr(i + 1, comma - i - 1)).empty()) {
+        fail_at(table, row, "there is text behind a closing double quote; put it inside, or leave the quotes out");
+      }
       rest.remove_prefix(std::min(comma + 1, rest.size()));
       return field;
     }
   }
-  return std::nullopt;
+  fail_at(table, row, "a double quote is opened but not closed; close it or leave it out");
 }
 
 std::string listed(const std::vector<std::string_view>& names) {
@@ -101,9 +104,7 @@ CsvTable csv_from_text(std::string_view text, const std::string& file) {
     bool ends_in_comma = false;
     do {
       ends_in_comma = rest.ends_with(',');
-      std::optional<std::string> field = take_field(rest);
-      if (!field) fail_at(table, row, "a double quote is opened but not closed; close it or leave it out");
-      row.fields.push_back(std::move(*field));
+      row.fields.push_back(take_field(rest, table, row));
       if (row.fields.size() > kMaxFields) {
         fail_at(table, row, "more than 64 fields in one line; is this a comma-separated table?");
       }
@@ -146,26 +147,22 @@ void arrange_columns(CsvTable& table, const CsvColumns& columns) {
 
 double number_in(const CsvTable& table, const CsvRow& row, std::size_t column, std::string_view name) {
   const std::string& field = row.fields.at(column);
-  const char* first = field.data() + (field.starts_with('+') ? 1 : 0);
-  const char* last = field.data() + field.size();
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(first, last, value);
-  if (error != std::errc() || end != last || !std::isfinite(value)) {
+  const std::optional<double> value = number_from<double>(field);
+  if (!value || !std::isfinite(*value)) {
     fail_at(table, row,
             std::string(name) + " is " + in_quotes(field) + ", which is not a finite number; correct the field");
   }
-  return value;
+  return *value;
 }
 
 int whole_number_in(const CsvTable& table, const CsvRow& row, std::size_t column, std::string_view name) {
   const std::string& field = row.fields.at(column);
-  int value = 0;
-  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-  if (error != std::errc() || end != field.data() + field.size()) {
+  const std::optional<int> value = number_from<int>(field);
+  if (!value) {
     fail_at(table, row,
             std::string(name) + " is " + in_quotes(field) + ", which is not a whole number; correct the field");
   }
-  return value;
+  return *value;
 }
 
 void fail_at(const CsvTable& table, const CsvRow& row, const std::string& message) {

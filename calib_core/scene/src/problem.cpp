@@ -14,6 +14,7 @@ namespace raybundle {
 namespace {
 
 constexpr double kFarthestPoint_m = 1000.0;
+constexpr int kMostRows = 4096;  // of a laser's grid, and columns: far above any grating, far below what overflows
 constexpr double kSmallestSigma_px = 1e-6, kLargestSigma_px = 1e6;  // their squares are added up
 
 [[noreturn]] void refuse(const std::string& message, const std::string& where = {}) {
@@ -49,6 +50,17 @@ void refuse_points_in_one_place(const Target& target, const std::string& where) 
   }
 }
 
+// Each takes the points' ids to the same ids in another order.
+void check_symmetries(const Target& target, const std::string& where) {
+  std::vector<int> ids;
+  for (const TargetPoint& point : target.points) ids.push_back(point.id);
+  for (const TargetSymmetry& symmetry : target.symmetries) {
+    std::vector<int> images = symmetry.ids;
+    std::ranges::sort(images);
+    if (images != ids) refuse("a symmetry does not name each of the board's points once", where);
+  }
+}
+
 void check_target(const Target& target) {
   const std::string where = "target " + target.name;
   if (target.points.size() < 4) refuse("a target needs at least 4 points", where);
@@ -64,6 +76,7 @@ void check_target(const Target& target) {
     }
   }
   refuse_points_in_one_place(target, where);
+  check_symmetries(target, where);
 }
 
 // Width and height mixed up, in the file or in the image size: as given, corners lie outside of the image in number;
@@ -178,8 +191,14 @@ void check_landmarks(const CalibrationProblem& problem) {
 void check_laser(const CalibrationProblem& problem) {
   const ProblemLaser& laser = *problem.laser;
   if (laser.grid.rows < 1 || laser.grid.columns < 1) refuse("the laser's rows and columns must be at least 1", "laser");
+  if (laser.grid.rows > kMostRows || laser.grid.columns > kMostRows) {
+    refuse("the laser has more than " + std::to_string(kMostRows) + " rows or columns", "laser");
+  }
+  const auto exists = [&](int beam) { return in_range(beam, laser.grid.size()); };
+  if (laser.brightest && !exists(*laser.brightest)) refuse("the brightest beam does not exist", "laser");
+  if (!std::ranges::all_of(laser.missing, exists)) refuse("a beam that is said to be missing does not exist", "laser");
   if (!laser.anchor) return;
-  if (!in_range(laser.anchor->view, problem.views.size()) || !in_range(laser.anchor->beam, laser.grid.size())) {
+  if (!in_range(laser.anchor->view, problem.views.size()) || !exists(laser.anchor->beam)) {
     refuse("the anchor names a view or a beam that does not exist", "laser");
   }
 }

@@ -8,10 +8,10 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <cstdlib>
 #include <span>
 
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/scene/number.hpp"
 #include "raybundle/scene/suggestion.hpp"
 
 namespace raybundle {
@@ -89,9 +89,8 @@ class Words {
   // A positive number and its unit, in SI.
   double quantity(std::string_view what, std::span<const Unit> units, std::string_view example) {
     const std::string number = take();
-    char* end = nullptr;
-    const double value = std::strtod(number.c_str(), &end);
-    if (number.empty() || *end != '\0' || !(value > 0) || !std::isfinite(value)) {
+    const double value = number_from<double>(number).value_or(0.0);
+    if (!(value > 0) || !std::isfinite(value)) {
       fail(fmt::format("{} wants a number above zero, not '{}', as in '{}'", what, number, example));
     }
     const std::string unit = take();

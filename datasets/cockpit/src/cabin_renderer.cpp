@@ -45,7 +45,8 @@ void shine_row(const CabinScene& scene, const CabinView& view, const CabinLighti
   directions.reserve(static_cast<std::size_t>(cells.width()) * n);
   for (int x = first; x < end; ++x) {
     for (int k = 0; k < n; ++k) {
-      directions.push_back(view.direction(x, y, (k % samples + 0.5) / samples, (k / samples + 0.5) / samples));
+      const int column = k % samples, row = k / samples;
+      directions.push_back(view.direction(x, y, (column + 0.5) / samples, (row + 0.5) / samples));
     }
   }
   std::vector<CabinHit> hits(directions.size());

@@ -59,7 +59,8 @@ void add_beam(const CabinScene& scene, const CabinView& view, const GaussianBeam
   for (int y = patch.top; y <= patch.bottom; ++y) {
     for (int x = patch.left; x <= patch.right; ++x) {
       for (int k = 0; k < kSamples * kSamples; ++k) {
-        directions[k] = view.direction(x, y, (k % kSamples + 0.5) / kSamples, (k / kSamples + 0.5) / kSamples);
+        const int column = k % kSamples, row = k / kSamples;
+        directions[k] = view.direction(x, y, (column + 0.5) / kSamples, (row + 0.5) / kSamples);
       }
       scene.first_hits(view.eye(), directions, hits);
       for (int k = 0; k < kSamples * kSamples; ++k) {

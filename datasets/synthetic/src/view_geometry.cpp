@@ -46,7 +46,7 @@ std::optional<Eigen::Vector2d> PlacedBoard::seen_at(const SimulatedCamera& camer
 
 std::optional<Eigen::Vector3d> PlacedBoard::spot(const Line3& beam_in_rig) const {
   const Line3 beam = rig_from_target_.inverse() * beam_in_rig;
-  const auto place = surface_->crossing(beam, board_->shape);
+  auto place = surface_->crossing(beam, board_->shape);
   if (!place || !contains(board_->print.sheet, place->head<2>())) return std::nullopt;
   // A line that passes a bent board far outside of it may not have settled on the surface.
   if (std::abs(place->z() - surface_->height(place->x(), place->y(), board_->shape)) > kSettled_m) return std::nullopt;

@@ -3,12 +3,11 @@
 #include "raybundle/occupancy/learn.hpp"
 
 #include <algorithm>
-#include <atomic>
-#include <thread>
 #include <utility>
 
 #include "embedding_search.hpp"
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/threads.hpp"
 #include "raybundle/geometry/wilson.hpp"
 
 namespace raybundle {
@@ -134,23 +133,15 @@ CaseBase learn(const LabelledCases& cases, const LearnOptions& options) {
                 .classes = {cases.classes.end() - voting, cases.classes.end()},
                 .actions = {cases.actions.end() - voting, cases.actions.end()},
                 .neighbours = options.neighbours};
-  std::atomic<std::size_t> next = 0;
-  const auto search_spaces = [&] {
-    for (std::size_t s = next++; s < base.spaces.size(); s = next++) {
-      base.spaces[s] = space_of(attributes, kinds, cases.attributes.rightCols(voting),
-                                {.sizes = options.layers,
-                                 .steps = std::min(options.steps, steps_for(learnt)),
-                                 .decay = options.decay,
-                                 .dropout = options.dropout,
-                                 .seed = s + 1});
-      base.spaces[s].farthest = farthest_known(base, base.spaces[s], options.known_share);
-    }
-  };
-  {
-    std::vector<std::jthread> workers;
-    for (int t = 1; t < options.threads; ++t) workers.emplace_back(search_spaces);
-    search_spaces();
-  }
+  for_each_index(base.spaces.size(), options.threads, [&](std::size_t s) {
+    base.spaces[s] = space_of(attributes, kinds, cases.attributes.rightCols(voting),
+                              {.sizes = options.layers,
+                               .steps = std::min(options.steps, steps_for(learnt)),
+                               .decay = options.decay,
+                               .dropout = options.dropout,
+                               .seed = s + 1});
+    base.spaces[s].farthest = farthest_known(base, base.spaces[s], options.known_share);
+  });
   set_sureness(base, cases.judging > 0 ? cases.judging : voting, options);
   base.check();
   return base;

@@ -22,6 +22,11 @@ const AttributeSet* attributes_of(const CaseBase& base) {
   return set;
 }
 
+bool is_of_sensor(const Scan& scan, std::size_t rays) {
+  return static_cast<std::size_t>(scan.rays) == rays && scan.points.size() <= rays &&
+         std::ranges::all_of(scan.points, [&](const ScenePoint& p) { return p.ray >= 0 && p.ray < scan.rays; });
+}
+
 }  // namespace
 
 OccupancyMonitor::OccupancyMonitor(const VehicleLayout& layout, CaseBase base, int rays, const MonitorOptions& options)
@@ -44,6 +49,10 @@ void OccupancyMonitor::restart() {
 
 Occupancy OccupancyMonitor::process(const Scan& measured, const SeatPose& seat) {
   Occupancy now;
+  if (!is_of_sensor(measured, range_m_.size())) {
+    restart();
+    return now;
+  }
   const double share = static_cast<double>(measured.points.size()) / static_cast<double>(range_m_.size());
   const Scan scan = without_fixtures(layout_, measured, options_.zones.dashboard_m, clear_);
   if (scan.state == State::kInvalid || share < options_.least_points) {

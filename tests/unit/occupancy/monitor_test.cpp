@@ -22,7 +22,8 @@ std::vector<ScenePoint> scene(bool somebody, double front_x, double noise_m, std
   Random random(seed);
   std::vector<ScenePoint> points;
   for (int i = 0; i < kRays; ++i) {
-    Eigen::Vector3d end(-0.5 + (i % 12) * 0.1, -0.25 + (i / 12) * 0.04, -0.1);
+    const int column = i % 12, row = i / 12;
+    Eigen::Vector3d end(-0.5 + column * 0.1, -0.25 + row * 0.04, -0.1);
     if (somebody) {
       const double t = (kEye.z() - 0.4) / (kEye.z() - end.z());  // where the ray meets the plate's height
       const Eigen::Vector3d on_plate = kEye + t * (end - kEye);
@@ -155,6 +156,27 @@ TEST(Monitor, InvalidIsNoDefault) {
     EXPECT_EQ(answer.state, State::kInvalid);
     EXPECT_EQ(answer.action, AirbagAction::kUndecided);
     EXPECT_EQ(answer.group, -1);
+  }
+}
+
+// A scan of another sensor says nothing, wherever its points lie; and what was before it says nothing of what follows.
+TEST(Monitor, AScanOfOtherRaysIsInvalid) {
+  const std::vector<ScenePoint> adult = scene(true, 0.2, 0.0, 915);
+  std::vector<ScenePoint> beyond = adult, negative = adult, twice = adult;
+  beyond[7].ray = kRays;
+  negative[7].ray = -1;
+  twice.push_back(adult[0]);
+  Scan fewer = scan_of(adult), more = scan_of(adult);
+  fewer.rays = kRays - 1;
+  more.rays = kRays + 1;
+  OccupancyMonitor monitor({}, shared_base(), kRays);
+  for (const Scan& scan : {scan_of(beyond), scan_of(negative), scan_of(twice), fewer, more}) {
+    ASSERT_EQ(after(monitor, adult, 3).action, AirbagAction::kFire);
+    const Occupancy answer = monitor.process(scan);
+    EXPECT_EQ(answer.state, State::kInvalid);
+    EXPECT_EQ(answer.action, AirbagAction::kUndecided);
+    EXPECT_EQ(answer.group, -1);
+    EXPECT_EQ(after(monitor, adult, 2).action, AirbagAction::kUndecided);
   }
 }
 

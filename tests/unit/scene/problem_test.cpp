@@ -82,6 +82,40 @@ TEST(ProblemCheck, NamesTheCameraRuleOrTargetThatIsWrong) {
               HasSubstr("the prior on '*.k1' needs a positive sigma"));
 }
 
+// relabel() looks the ids up, for every point.
+TEST(ProblemCheck, ASymmetryNamesEachPointOnce) {
+  const auto with = [](const auto& change) {
+    return message_after([&](CalibrationProblem& problem) {
+      Target& target = problem.targets[0];
+      TargetSymmetry turned;
+      for (const TargetPoint& point : target.points) turned.ids.insert(turned.ids.begin(), point.id);
+      change(turned.ids);
+      target.symmetries = {turned};
+    });
+  };
+  const auto refused = ::testing::HasSubstr("a symmetry does not name each of the board's points once");
+  EXPECT_EQ(with([](auto&) {}), "accepted");
+  EXPECT_THAT(with([](auto& ids) { ids.pop_back(); }), refused);
+  EXPECT_THAT(with([](auto& ids) { ids.push_back(ids[0]); }), refused);
+  EXPECT_THAT(with([](auto& ids) { ids[0] = 4711; }), refused);
+  EXPECT_THAT(with([](auto& ids) { ids[0] = ids[1]; }), refused);
+}
+
+TEST(ProblemCheck, NamesTheBeamThatIsWrong) {
+  const auto with = [](const ProblemLaser& laser) {
+    return message_after([&](CalibrationProblem& problem) { problem.laser = laser; });
+  };
+  const LaserGrid grid{.rows = 3, .columns = 4};
+  EXPECT_EQ(with({.grid = grid, .anchor = LaserAnchor{.beam = 11}, .brightest = 11, .missing = {0, 11}}), "accepted");
+  for (const int beam : {-1, 12}) {
+    EXPECT_THAT(with({.grid = grid, .anchor = LaserAnchor{.beam = beam}}), ::testing::HasSubstr("the anchor"));
+    EXPECT_THAT(with({.grid = grid, .brightest = beam}), ::testing::HasSubstr("brightest"));
+    EXPECT_THAT(with({.grid = grid, .missing = {0, beam}}), ::testing::HasSubstr("missing"));
+  }
+  EXPECT_THAT(with({.grid = {.rows = 1 << 16, .columns = 1 << 16}}), ::testing::HasSubstr("rows or columns"));
+  EXPECT_THAT(with({.grid = {.rows = 0, .columns = 4}}), ::testing::HasSubstr("at least 1"));
+}
+
 TEST(ProblemCheck, NamesTheDotThatIsWrong) {
   const auto dotted = [](auto damage) {
     return message_after([&](CalibrationProblem& problem) {

@@ -8,7 +8,7 @@
 
 namespace raybundle {
 
-/// What went wrong, by what the caller can do about it. The program maps each kind to an exit code (DESIGN section 7).
+/// What went wrong, by what the caller can do about it. The program maps each kind to an exit code, which README lists.
 enum class ErrorKind {
   kBadInput,       ///< wrong usage, configuration or file content: mend the input
   kNotEnoughData,  ///< the input is well formed but cannot determine the answer: take more or other images

@@ -30,7 +30,8 @@ struct CsvColumns {
 /// Splits a text into rows.
 ///
 /// @param file  name for messages
-/// @throws Error(kBadInput) `file:line: ...` for an open quote or a row of more than 64 fields
+/// @throws Error(kBadInput) `file:line: ...` for an open quote, text behind a closing one, or a row of more than 64
+/// fields
 CsvTable csv_from_text(std::string_view text, const std::string& file);
 
 /// The same for a file.

@@ -53,7 +53,8 @@ class OccupancyMonitor {
   /// @throws Error(kBadInput) when the base is damaged or its attributes are unknown here
   OccupancyMonitor(const VehicleLayout& layout, CaseBase base, int rays, const MonitorOptions& options = {});
 
-  /// @param seat  as it is set, as far as that is known: the cases' boxes move and recline with it
+  /// @param measured  INVALID, and the frames before forgotten, when its rays are not those of the constructor
+  /// @param seat      as it is set, as far as that is known: the cases' boxes move and recline with it
   Occupancy process(const Scan& measured, const SeatPose& seat = {});
 
   /// Forgets the frames before.

@@ -2,16 +2,33 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
-namespace raybundle::apps {
+namespace raybundle {
+
+/// So many threads that each call loop() once; fewer, down to none, when the system gives no more.
+template <typename Loop>
+std::vector<std::jthread> start_threads(int count, const Loop& loop) {
+  std::vector<std::jthread> threads;
+  threads.reserve(static_cast<std::size_t>(std::max(count, 0)));
+  try {
+    for (int t = 0; t < count; ++t) threads.emplace_back(loop);
+  } catch (const std::system_error&) {
+    // Whoever calls shares the work out to the threads that there are.
+  }
+  return threads;
+}
 
 /// Calls work(0), ..., work(count - 1), each once, on so many threads; passes the first exception on.
+///
+/// @param threads  of which the calling one is the first
 template <typename Work>
 void for_each_index(std::size_t count, int threads, Work&& work) {
   std::atomic<std::size_t> next{0};
@@ -28,11 +45,10 @@ void for_each_index(std::size_t count, int threads, Work&& work) {
       }
     }
   };
-  std::vector<std::jthread> workers;
-  for (int t = 1; t < threads; ++t) workers.emplace_back(loop);
+  std::vector<std::jthread> others = start_threads(threads - 1, loop);
   loop();
-  workers.clear();
+  others.clear();
   if (failure) std::rethrow_exception(failure);
 }
 
-}  // namespace raybundle::apps
+}  // namespace raybundle

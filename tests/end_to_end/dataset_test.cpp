@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "dataset.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "raybundle/geometry/error.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+using ::testing::HasSubstr;
+
+Dataset with_board_name(const std::string& name) {
+  return dataset_from_text("[target]\n" + name + "kind = \"chessboard\"\ncolumns = 9\nrows = 6\nsquare_m = 0.025\n" +
+                               "[[camera]]\nname = \"a\"\nimages = \"*.jpg\"\nmodel = \"pinhole\"\n",
+                           "d.toml");
+}
+
+TEST(DatasetToml, ABoardsNameIsTextOrLeftOut) {
+  EXPECT_EQ(with_board_name("").boards.at(0).name, "board");
+  EXPECT_EQ(with_board_name("name = \"wall\"\n").boards.at(0).name, "wall");
+  try {
+    with_board_name("name = 5\n");
+    ADD_FAILURE() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("d.toml:2: [target].name must be a text in quotes"));
+  }
+}
+
+TEST(AnchorFlag, NamesADotAndItsBeam) {
+  const DatasetAnchor anchor = anchor_from_flag("left/12:320.5,240=5,7");
+  EXPECT_EQ(anchor.camera, "left");
+  EXPECT_EQ(anchor.frame, "12");
+  EXPECT_EQ(anchor.pixel, Eigen::Vector2d(320.5, 240));
+  EXPECT_EQ(anchor.row, 5);
+  EXPECT_EQ(anchor.column, 7);
+  EXPECT_EQ(anchor_from_flag("a=b/1:2,3=4,5").camera, "a=b");
+  for (const char* flag : {"", "left", "left/12", "/12:1,2=3,4", "left/:1,2=3,4", "left/12:1,2", "left/12:1,2=3",
+                           "left/12:1=3,4", "left/12:1,2=3,4,5", "left/12:nan,2=3,4", "left/12:1,2=3.5,4"}) {
+    EXPECT_THROW(anchor_from_flag(flag), Error) << flag;
+  }
+}
+
+TEST(RuleFlags, TakeNothingButNumbers) {
+  using Kind = ParameterRule::Kind;
+  EXPECT_EQ(rule_from_flag(Kind::kFixed, "left.fx=5e2").value, 500.0);
+  EXPECT_EQ(rule_from_flag(Kind::kPrior, "left.fx=500:+0.5").sigma, 0.5);
+  for (const char* flag : {"left.fx=5x", "left.fx=0x10", "left.fx=+-5", "left.fx=5 ", "left.fx=inf"}) {
+    EXPECT_THROW(rule_from_flag(Kind::kFixed, flag), Error) << flag;
+  }
+}
+
+}  // namespace
+}  // namespace raybundle::apps
