@@ -48,6 +48,18 @@ void add_image_cells(const RigCamera& camera, CameraCoverage& coverage) {
   }
 }
 
+double rayless_share(const Camera& camera) {
+  constexpr int kColumns = 48;
+  const int rows = rows_of_square_cells(camera.size, kColumns);
+  int rayless = 0;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < kColumns; ++column) {
+      rayless += !ray_from_pixel(camera, middle_of_cell(camera.size, rows, kColumns, row, column));
+    }
+  }
+  return static_cast<double>(rayless) / (rows * kColumns);
+}
+
 double reach(const Camera& camera) {
   const double right = camera.size.width - 1, bottom = camera.size.height - 1;
   double largest = 0.0;
@@ -96,6 +108,7 @@ std::vector<CameraCoverage> coverage(const CalibrationProblem& problem, const Ca
     CameraCoverage one;
     one.camera = camera.name;
     if (camera.evidence) add_image_cells(camera, one);
+    one.rayless_share = rayless_share(camera.camera);
     one.reach_rad = reach(camera.camera);
     std::vector<double> distances, tilts;
     for (std::size_t v = 0; v < problem.views.size(); ++v) {

@@ -21,6 +21,9 @@ constexpr double kEnoughTilt = 0.35;     // [rad] 20°: below, focal length and 
 constexpr double kEnoughDepth = 1.5;     // farthest over nearest board
 constexpr double kWeakDirection = 1000;  // times worse than the parameters one at a time
 constexpr double kDriftSigmas = 5.0;
+constexpr double kFewRayless = 0.01;  // of the image
+constexpr double kSquare = 0.004;     // relative difference of fx and fy: pixels of sensors are square to a thousandth
+constexpr double kStretchSigmas = 5.0;
 constexpr double kRadialSigmas = 4.0;  // lenses that fit stay below 2, those that plainly do not reach 4 to 10
 constexpr double kRadialShare = 0.2;   // of the rms: what is less is no plain misfit, however many corners show it
 
@@ -61,6 +64,35 @@ Finding angle_finding(const CameraCoverage& seen) {
           fmt::format("corners reach {:.0f}° off the axis, the edges of the image {:.0f}°", degrees(seen.seen_to_rad),
                       degrees(seen.reach_rad)),
           good ? "" : "beyond, the lens is extrapolated: hold the board nearer to the edges, or do not use them"};
+}
+
+// A lens whose model folds or has a pole ends there, which is no harm where the image is black.
+std::optional<Finding> field_finding(const CameraCoverage& seen) {
+  if (seen.rayless_share < kFewRayless) return std::nullopt;
+  return Finding{seen.camera, "field", false,
+                 fmt::format("the model has no ray for {:.0f} % of the image", 100 * seen.rayless_share),
+                 "unless the lens leaves it black there, hold the board there, too, or choose another model"};
+}
+
+// A board that is longer in one direction than it is said to be fits no worse where it is always held upright.
+std::optional<Finding> square_finding(const RigCamera& camera, const Calibration& calibration) {
+  const double fx = camera.camera.fx(), fy = camera.camera.fy(), stretch = fx / fy - 1.0;
+  const Eigen::RowVector2d by_focals(1.0 / fy, -fx / (fy * fy));
+  const std::vector<std::string> focals{camera.name + ".fx", camera.name + ".fy"};
+  double variance = by_focals * calibration.covariance.block(focals) * by_focals.transpose();
+  if (calibration.covariance_by_frame) {
+    variance =
+        std::max<double>(variance, by_focals * calibration.covariance_by_frame->block(focals) * by_focals.transpose());
+  }
+  if (!(variance > 0.0)) return std::nullopt;
+  const double sigmas = std::abs(stretch) / std::sqrt(variance);
+  const bool good = std::abs(stretch) < kSquare || sigmas < kStretchSigmas;
+  return Finding{camera.name, "square", good,
+                 fmt::format("fx is {:.2f} % {} than fy, {:.1f} sigmas", 100 * std::abs(stretch),
+                             stretch > 0 ? "more" : "less", sigmas),
+                 good ? ""
+                      : "few sensors have such pixels: measure the printed board in both directions, and say "
+                        "the spacing of its rows if it differs"};
 }
 
 Finding tilt_finding(const CameraCoverage& seen) {
@@ -196,7 +228,9 @@ std::vector<Finding> findings(const CalibrationProblem& problem, const Calibrati
       all.push_back(*finding);
     }
     all.push_back(image_finding(seen[c]));
+    if (const auto finding = field_finding(seen[c])) all.push_back(*finding);
     all.push_back(angle_finding(seen[c]));
+    if (const auto finding = square_finding(camera, result.calibration)) all.push_back(*finding);
     all.push_back(tilt_finding(seen[c]));
     all.push_back(distance_finding(seen[c]));
     if (const auto finding = parameters_finding(camera, result.calibration.covariance)) all.push_back(*finding);

@@ -78,7 +78,7 @@ Measured measured_projection(const Requirement& requirement, const Subject& subj
     if (!seen.empty_regions.empty()) measured.advice = fill_regions(seen);
   }
   if (requirement.field_rad && figure.reach_rad < 0.5 * *requirement.field_rad - 0.01) {
-    measured.where += fmt::format("; the image shows only {:.0f} of the {:.0f}°", 2 * degrees(figure.reach_rad),
+    measured.where += fmt::format("; the image has rays for only {:.0f} of the {:.0f}°", 2 * degrees(figure.reach_rad),
                                   degrees(*requirement.field_rad));
     measured.doubtful = true;
   }

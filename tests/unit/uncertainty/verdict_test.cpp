@@ -78,6 +78,37 @@ TEST(Verdict, NamesThePartsOfTheImageWithoutCorners) {
   EXPECT_FALSE(image->good);
 }
 
+// What a board gives that is always held upright and has taller squares than said.
+TEST(Verdict, NamesFocalLengthsThatDiffer) {
+  SyntheticOptions options = stereo();
+  options.cameras.resize(1);
+  const CalibrationProblem problem = synthetic_world(options).problem;
+  CalibrationResult result = calibrate(problem);
+  const auto is_square = [&] {
+    const std::vector<Finding> all = verdict(problem, result, {}).findings;
+    return std::ranges::find(all, "square", &Finding::topic)->good;
+  };
+  EXPECT_TRUE(is_square());
+  result.calibration.cameras[0].camera.parameters[1] *= 1.02;
+  EXPECT_FALSE(is_square());
+}
+
+TEST(Verdict, NamesTheShareOfTheImageThatHasNoRay) {
+  SyntheticOptions options = stereo();
+  options.cameras.resize(1);
+  const CalibrationProblem problem = synthetic_world(options).problem;
+  CalibrationResult result = calibrate(problem);
+  Camera& camera = result.calibration.cameras[0].camera;
+  // Radius θ - 0.3 θ³: it folds at 1.054 rad, 0.70 focal lengths from the middle.
+  const double focal_px = 0.5 * camera.size.height / 0.7;
+  camera = {*model_named("kannala_brandt"), camera.size, Eigen::VectorXd(8)};
+  camera.parameters << focal_px, focal_px, 0.5 * (camera.size.width - 1), 0.5 * (camera.size.height - 1), -0.3, 0, 0, 0;
+  const double circle = M_PI * std::pow(0.5 * camera.size.height, 2) / (camera.size.width * camera.size.height);
+  EXPECT_NEAR(coverage(problem, result)[0].rayless_share, 1.0 - circle, 0.02);
+  const std::vector<Finding> all = verdict(problem, result, {}).findings;
+  EXPECT_NE(std::ranges::find(all, "field", &Finding::topic), all.end());
+}
+
 // A flat board before a lens with barrel distortion: a pinhole leaves rings of residuals and bends the board by
 // millimetres. The lens is named first, and the board is not blamed.
 TEST(Verdict, NamesALensThatDoesNotFitBeforeTheBoard) {

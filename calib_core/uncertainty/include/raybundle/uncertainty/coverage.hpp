@@ -21,6 +21,7 @@ struct CameraCoverage {
   std::string camera;
   double image_share = 0.0;                ///< of the cells of its CornerEvidence in which corners were used
   std::vector<std::string> empty_regions;  ///< ninths of the image of which less than a quarter is covered, in words
+  double rayless_share = 0.0;              ///< of a grid over the image, where the lens has no ray
   double seen_to_rad = 0.0;                ///< angle off the axis of the farthest used corner
   double reach_rad = 0.0;                  ///< largest angle off the axis in the middle of an edge of the image
   double nearest_m = 0.0;                  ///< distance of the boards' centres, the 5 % quantile
