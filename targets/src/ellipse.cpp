@@ -61,9 +61,7 @@ std::vector<Ellipse> find_ellipses(const cv::Mat& gray, int block_px) {
   constexpr double kBelowMean = 5.0;
   cv::Mat binary;
   cv::adaptiveThreshold(gray, binary, 255, cv::ADAPTIVE_THRESH_MEAN_C, cv::THRESH_BINARY_INV, block_px, kBelowMean);
-  std::vector<Ellipse> ellipses = ellipses_in(binary);
-  // Bright blobs are a little larger than the holes that they leave among the dark pixels of this threshold.
-  return ellipses;
+  return ellipses_in(binary);
 }
 
 std::optional<Ellipse> find_ellipse_at(const cv::Mat& gray, const Eigen::Vector2d& place, double reach_px) {

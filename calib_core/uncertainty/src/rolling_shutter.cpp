@@ -20,7 +20,7 @@ struct Explanations {
   double sigma_px = 1.0;  // that the residual was whitened by, root mean square
 };
 
-// The pose's columns times when each corner was exposed: 0 in the middle, 1 over the whole image.
+// The pose's columns times when each corner was exposed: 0 in the middle, in units of `length` pixels.
 Eigen::MatrixXd timed(const Eigen::MatrixXd& pose, const Eigen::VectorXd& place, int length) {
   const Eigen::VectorXd time = (place.array() - place.mean()) / length;
   Eigen::MatrixXd result = pose;
