@@ -206,7 +206,18 @@ TEST(NumberFlags, NoneTakesWhatIsNoNumber) {
 TEST_F(BadInput, FewerThanThreeViews) {
   RAYBUNDLE_NEEDS_DATA(kImages);
   copy_images(2);
-  refuses(images(), 3, {"camera left", "only 2 of 2 views", "three"});
+  refuses(images(), 3, {"camera left", "there are only 2 views of the board", "three"});
+}
+
+// Most images show 9x6 corners, and one happens to be read as 10x7: what the others show is said first, and once.
+TEST_F(BadInput, CountedSquaresAreNamedThoughOneImageIsMisread) {
+  RAYBUNDLE_NEEDS_DATA(kImages);
+  refuses({"--target", "chessboard:10x7:25mm", "--camera", "left=" + (real_data(kImages) / "left[0-9]*.jpg").string(),
+           "--model", "brown_conrady"},
+          3,
+          {"error: 12 of 13 images are left out, such as ",
+           "did you count squares? chessboard:9x6:SQUARE would fit; for the rest, camera left: there is only 1 view of "
+           "the board, and a lens needs three"});
 }
 
 // A board that only turns in its own plane and moves: every focal length explains it, at another distance.
