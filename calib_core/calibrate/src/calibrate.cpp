@@ -121,7 +121,7 @@ CalibrationResult for_whole_problem(const CalibrationProblem& whole, const std::
     views[v].dot_residuals_px.assign(whole.views[v].dots.size(), Eigen::Vector2d::Constant(std::nan("")));
     views[v].residuals_px.assign(count, Eigen::Vector2d::Constant(std::nan("")));
     summaries[camera].views_total += 1;
-    result.set_aside.push_back({static_cast<int>(v), SetAside::Scope::kView, "its camera could not be calibrated"});
+    result.set_aside.push_back({static_cast<int>(v), SetAside::Scope::kView, alone.why_aside[camera]});
   }
   for (std::size_t c = 0; c < whole.cameras.size(); ++c) {
     if (!alone.cameras[c]) result.warnings.push_back(alone.why_not[c]);
@@ -205,6 +205,32 @@ CalibrationResult calibrate_together(CalibrationProblem problem, const CamerasAl
   return for_whole_problem(problem, cameras, sub, alone, std::move(result));
 }
 
+// Whether a camera sees a board in a frame in which another one sees it, too.
+bool shares_boards(const CalibrationProblem& problem, int camera) {
+  return std::ranges::any_of(problem.views, [&](const TargetView& mine) {
+    return mine.camera == camera && std::ranges::any_of(problem.views, [&](const TargetView& other) {
+             return other.camera != camera && other.frame == mine.frame && other.target == mine.target;
+           });
+  });
+}
+
+// Leaves out a camera that is calibrated, but has no place on the rig.
+void leave_out(const CalibrationProblem& problem, int camera, const Error& refusal, CamerasAlone& alone) {
+  const std::string name = "camera " + problem.cameras[camera].name;
+  alone.cameras[camera].reset();
+  if (shares_boards(problem, camera)) {
+    alone.why_not[camera] = name + " is left out, because with it " + refusal.what() +
+                            ", or calibrate it in a run of its own, with only its images";
+    alone.why_aside[camera] = "its camera could not be linked to the others";
+  } else {
+    alone.why_not[camera] = name +
+                            " is left out: in no frame does it see a board together with another camera, so that "
+                            "nothing tells its place on the rig; add images in which they see the board at the same "
+                            "moment, or calibrate it in a run of its own, with only its images";
+    alone.why_aside[camera] = "its camera shares no frame with the others";
+  }
+}
+
 // Of three cameras or more, one whose images are of other moments does not cost the rig: the rest is calibrated
 // without it. Nothing when no camera is such.
 std::optional<CalibrationResult> calibrate_without_one(const CalibrationProblem& problem, const CamerasAlone& alone,
@@ -214,8 +240,7 @@ std::optional<CalibrationResult> calibrate_without_one(const CalibrationProblem&
   const OrderedProblem ordered = in_order_of_content(problem);
   for (std::size_t c = 0; c < problem.cameras.size(); ++c) {
     CamerasAlone others = alone;
-    others.cameras[c].reset();
-    others.why_not[c] = "camera " + problem.cameras[c].name + " is left out, because with it " + refusal.what();
+    leave_out(problem, static_cast<int>(c), refusal, others);
     try {
       return in_given_order(ordered, calibrate_together(ordered.problem, others, options, stages));
     } catch (const Error& error) {

@@ -187,6 +187,23 @@ TEST(Calibrate, OneCameraOutOfStepDoesNotCostTheRig) {
   EXPECT_THAT(result.warnings, ::testing::Contains(::testing::HasSubstr("camera2 is left out")));
 }
 
+// A camera that never sees a board together with another one is calibrated well, but has no place: that is said.
+TEST(Calibrate, OneCameraWithFramesOfItsOwnIsNamedAsNotLinked) {
+  SyntheticOptions options = stereo(23);
+  SyntheticCamera third;
+  third.camera_from_rig = beside(-0.1, -0.1);
+  options.cameras.push_back(third);
+  SyntheticWorld world = synthetic_world(options);
+  std::erase_if(world.problem.views,
+                [](const TargetView& view) { return (view.frame % 3 == 0) != (view.camera == 2); });
+  const CalibrationResult result = calibrate(world.problem);
+  ASSERT_THAT(result.calibration.cameras, ::testing::SizeIs(2));
+  EXPECT_THAT(result.warnings, ::testing::Contains(::testing::HasSubstr(
+                                   "camera2 is left out: in no frame does it see a board together with another")));
+  EXPECT_EQ(std::ranges::count(result.set_aside, "its camera shares no frame with the others", &SetAside::reason),
+            std::ranges::count(world.problem.views, 2, &TargetView::camera));
+}
+
 TEST(Calibrate, TellsWhichCameraIsNotLinked) {
   SyntheticWorld world = synthetic_world(stereo(11));
   std::erase_if(world.problem.views, [](const TargetView& view) { return view.frame % 2 != view.camera; });
