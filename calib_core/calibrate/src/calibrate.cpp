@@ -12,6 +12,7 @@
 #include "content_order.hpp"
 #include "further_measurements.hpp"
 #include "joint_solve.hpp"
+#include "prior_weight.hpp"
 #include "raybundle/bundle/parameters.hpp"
 #include "raybundle/calibrate/lens_domain.hpp"
 #include "raybundle/calibrate/lens_prior.hpp"
@@ -187,6 +188,7 @@ CalibrationResult calibrate_together(CalibrationProblem problem, const CamerasAl
   for (std::size_t v = 0; v < sub.views.size(); ++v) result.views[v].symmetry = rig.symmetry_of_view[v];
   name_given_up(sub.problem, rules, result);
   warn_of_folds(sub.problem, state, result);
+  std::ranges::copy(contradicted_priors(sub.problem, state, result), std::back_inserter(result.warnings));
   std::ranges::copy_if(solve.ties.untied, std::back_inserter(result.set_aside),
                        [&](const SetAside& untied) { return state.pose_of_view[untied.view] >= 0; });
   name_views_set_aside(state, reasons, result);
@@ -250,11 +252,7 @@ std::optional<CalibrationResult> calibrate_without_one(const CalibrationProblem&
   return std::nullopt;
 }
 
-}  // namespace
-
-CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOptions& options) {
-  check(problem);
-  parameter_blocks(problem);  // refuses rules that match nothing
+CalibrationResult calibrate_as_weighed(const CalibrationProblem& problem, const CalibrateOptions& options) {
   OrderedProblem ordered = in_order_of_content(problem);
   std::vector<StageTime> stages;
   const CamerasAlone alone = solve_cameras_alone(ordered.problem, options, stages);
@@ -264,6 +262,29 @@ CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOp
     if (auto result = calibrate_without_one(problem, alone, options, stages, refusal)) return std::move(*result);
     throw;
   }
+}
+
+}  // namespace
+
+CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOptions& options) {
+  check(problem);
+  parameter_blocks(problem);  // refuses rules that match nothing
+  CalibrationResult result = calibrate_as_weighed(problem, options);
+  if (!has_priors(problem)) return result;
+  // A prior counts against corners by what they are off by, not by what a detector says; and that is known only now.
+  // The least noise counts: where a prior pulls too hard there is more.
+  constexpr int kMostWeighings = 4;
+  constexpr double kSettled = 0.98;
+  double noise = 1.0;
+  for (int round = 0; round < kMostWeighings; ++round) {
+    const double now = corner_noise(problem, result);
+    if (round == 0 ? std::abs(now - noise) < (1.0 - kSettled) : now > kSettled * noise) break;
+    noise = now;
+    std::vector<StageTime> stages = std::move(result.stages);
+    result = calibrate_as_weighed(with_priors_for(problem, noise), options);
+    result.stages.insert(result.stages.begin(), stages.begin(), stages.end());
+  }
+  return result;
 }
 
 }  // namespace raybundle

@@ -262,6 +262,33 @@ TEST(Calibrate, KeepsFixedParameters) {
   EXPECT_EQ(result.calibration.cameras[0].camera.parameters[7], 0.0);
 }
 
+// A prior and the corners are two measurements of one number, whatever sigmas a detector states: the answer is their mean
+// by weight, as sure as both together.
+TEST(Calibrate, APriorCountsByItsOwnSigma) {
+  SyntheticOptions options;
+  options.noise_px = 0.3;
+  for (const double stated_px : {1.0, 0.05}) {
+    CalibrationProblem problem = synthetic_world(options).problem;
+    for (TargetView& view : problem.views) {
+      for (Observation& observation : view.observations) observation.sigma_px = stated_px;
+    }
+    const CalibrationResult free = calibrate(problem);
+    const double by_corners = free.calibration.cameras[0].camera.fx();
+    const double sigma = free.calibration.covariance.sigma("camera0.fx");
+    const double mean = by_corners + 2.0 * sigma, prior_sigma = 0.5 * sigma;
+    problem.rules = {{"camera0.fx", ParameterRule::Kind::kPrior, mean, prior_sigma}};
+    const CalibrationResult both = calibrate(problem);
+    // A fifth of the corners' weight and four fifths of the prior's; a hundredth for what is not linear.
+    EXPECT_NEAR(both.calibration.cameras[0].camera.fx(), 0.2 * by_corners + 0.8 * mean, 0.02 * sigma);
+    EXPECT_NEAR(both.calibration.covariance.sigma("camera0.fx"), std::sqrt(0.2) * sigma, 0.01 * sigma);
+    EXPECT_THAT(both.warnings, ::testing::IsEmpty());
+
+    problem.rules[0].value = by_corners + 20.0 * sigma;
+    EXPECT_THAT(calibrate(problem).warnings,
+                ::testing::Contains(::testing::HasSubstr("the prior on camera0.fx lies ")));
+  }
+}
+
 // A start is where the solve begins; nothing may be held at it, nor may it make the frames look untied.
 TEST(Calibrate, RoughStartChangesNothing) {
   SyntheticOptions options = stereo(15);
