@@ -18,6 +18,7 @@
 #include "output_folder.hpp"
 #include "predicted_corners.hpp"
 #include "previews.hpp"
+#include "raybundle/bundle/parameters.hpp"
 #include "raybundle/calibrate/calibrate.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
@@ -206,12 +207,12 @@ void require_values(const std::vector<ParameterRule>& rules, const std::string& 
 
 // How to test the calibration on images that it has not seen.
 std::string next_command(const CalibrateJob& job, const CalibrationResult& result) {
-  std::string command = fmt::format("raybundle validate {}/calibration.json", job.output);
+  std::string command = "raybundle validate " + shell_word(job.output + "/calibration.json");
   if (!job.input.dataset.empty() && job.input.cameras.empty()) return command + " OTHER_DATASET.toml";
   if (!job.input.observations.empty() && job.input.target.empty()) return command + " --observations OTHER_FILE";
-  if (!job.input.target.empty()) command += " --target " + job.input.target;
+  if (!job.input.target.empty()) command += " --target " + shell_word(job.input.target);
   for (const RigCamera& camera : result.calibration.cameras) {
-    command += fmt::format(" --camera {}='OTHER_IMAGES'", camera.name);
+    command += fmt::format(" --camera {}='OTHER_IMAGES'", shell_word(camera.name));
   }
   return command;
 }
@@ -256,6 +257,7 @@ void run_calibration(const CalibrateJob& job) {
   check_requirements(requirements, camera_names(problem.cameras), problem.laser.has_value());
   problem.rules = dataset.rules;
   problem.rules.insert(problem.rules.end(), job.rules.begin(), job.rules.end());
+  parameter_blocks(problem);  // refuses rules that match nothing, before any asks for its value
   require_values(problem.rules, job.start);
   if (!job.start.empty()) take_start(job.start, problem);
   const std::optional<SurveyInput> survey = job.survey.landmarks.empty() ? dataset.survey : job.survey;

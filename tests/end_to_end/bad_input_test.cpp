@@ -172,15 +172,6 @@ TEST_F(BadInput, TwoBoardsThatImagesDoNotTellApart) {
   refuses_boards(chessboard("a", nine) + chessboard("a", nine), {"dataset.toml:7", "two [[target]] are called 'a'"});
 }
 
-// docs/formats/dataset.md names all options of [calibrate], with their defaults.
-TEST(DatasetDocs, NameEveryOptionOfCalibrate) {
-  const std::string docs = text_of(RAYBUNDLE_SOURCE_DIR "/docs/formats/dataset.md");
-  CalibrateOptions options;
-  CalibrateOptions::for_each_option(options, [&](const char* name, const char*, const char*, const auto& value) {
-    EXPECT_THAT(docs, HasSubstr(fmt::format("\n{} = {}", name, value)));
-  });
-}
-
 // NaN is within every range that is asked for by comparing.
 TEST(NumberFlags, NoneTakesWhatIsNoNumber) {
   const std::vector<std::string> verbs[] = {{"compare", "a.json", "b.json", "--max-px"},
@@ -203,21 +194,19 @@ TEST(NumberFlags, NoneTakesWhatIsNoNumber) {
   EXPECT_THAT(negative.err, HasSubstr("'-3' must be a number above 0"));
 }
 
+// What is not there needs no value.
+TEST_F(BadInput, RulesForNoParameterSayWhichThereAre) {
+  RAYBUNDLE_NEEDS_DATA(kImages);
+  copy_images(3);
+  std::vector<std::string> arguments = images();
+  arguments.insert(arguments.end(), {"--fix", "nothing.fx"});
+  refuses(arguments, 2, {"no parameter matches 'nothing.fx'; there are: left.intrinsics, left.fx"});
+}
+
 TEST_F(BadInput, FewerThanThreeViews) {
   RAYBUNDLE_NEEDS_DATA(kImages);
   copy_images(2);
   refuses(images(), 3, {"camera left", "there are only 2 views of the board", "three"});
-}
-
-// Most images show 9x6 corners, and one happens to be read as 10x7: what the others show is said first, and once.
-TEST_F(BadInput, CountedSquaresAreNamedThoughOneImageIsMisread) {
-  RAYBUNDLE_NEEDS_DATA(kImages);
-  refuses({"--target", "chessboard:10x7:25mm", "--camera", "left=" + (real_data(kImages) / "left[0-9]*.jpg").string(),
-           "--model", "brown_conrady"},
-          3,
-          {"error: 12 of 13 images are left out, such as ",
-           "did you count squares? chessboard:9x6:SQUARE would fit; for the rest, camera left: there is only 1 view of "
-           "the board, and a lens needs three"});
 }
 
 // A board that only turns in its own plane and moves: every focal length explains it, at another distance.
