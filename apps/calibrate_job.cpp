@@ -18,6 +18,7 @@
 #include "output_folder.hpp"
 #include "predicted_corners.hpp"
 #include "previews.hpp"
+#include "raybundle/bundle/parameters.hpp"
 #include "raybundle/calibrate/calibrate.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
@@ -120,20 +121,32 @@ void require_shared_frames(const DetectedImages& images) {
                           frame_example(images, other)));
 }
 
-// A failed solve for want of data is explained by what was left out, and by what the images show instead of the board.
+// One of the images that were left out for the most frequent reason.
+const UnusedImage& usual_miss(const std::vector<UnusedImage>& unused) {
+  std::map<std::string, int> count_of;
+  for (const UnusedImage& image : unused) ++count_of[without_digits(image.reason)];
+  return *std::ranges::max_element(unused, {},
+                                   [&](const UnusedImage& image) { return count_of[without_digits(image.reason)]; });
+}
+
+// A failed solve for want of data is explained by what was left out, and by what the images show instead of the board:
+// first of all where that is most of them.
 CalibrationResult calibrate_explained(const CalibrationProblem& problem, const CalibrateOptions& options,
                                       const DetectedImages& images) try {
   return calibrate(problem, options);
 } catch (const Error& error) {
   if (error.kind() != ErrorKind::kNotEnoughData || images.unused.empty()) throw;
-  std::string message = error.what();
   std::set<std::pair<int, int>> used;  // camera and frame: an image may show several boards
   for (const TargetView& view : problem.views) used.insert({view.camera, view.frame});
-  message += fmt::format("; {} of {} {} are left out, such as {}: {}", images.unused.size(),
-                         images.unused.size() + used.size(), images.files.empty() ? "views" : "images",
-                         images.unused.front().image, images.unused.front().reason);
-  for (const std::string& hint : images.hints) message += "; " + hint;
-  throw Error(error.kind(), message);
+  const UnusedImage& miss = usual_miss(images.unused);
+  std::string left_out =
+      fmt::format("{} of {} {} are left out, such as {}: {}", images.unused.size(), images.unused.size() + used.size(),
+                  images.files.empty() ? "views" : "images", miss.image, miss.reason);
+  for (const std::string& hint : images.hints) {
+    if (!without_digits(miss.reason).ends_with(without_digits(hint))) left_out += "; " + hint;
+  }
+  const bool most = images.unused.size() > used.size();
+  throw Error(error.kind(), most ? left_out + "; for the rest, " + error.what() : error.what() + ("; " + left_out));
 }
 
 Provenance provenance_of(const CalibrateJob& job, const std::optional<SurveyInput>& survey,
@@ -194,12 +207,12 @@ void require_values(const std::vector<ParameterRule>& rules, const std::string& 
 
 // How to test the calibration on images that it has not seen.
 std::string next_command(const CalibrateJob& job, const CalibrationResult& result) {
-  std::string command = fmt::format("raybundle validate {}/calibration.json", job.output);
+  std::string command = "raybundle validate " + shell_word(job.output + "/calibration.json");
   if (!job.input.dataset.empty() && job.input.cameras.empty()) return command + " OTHER_DATASET.toml";
   if (!job.input.observations.empty() && job.input.target.empty()) return command + " --observations OTHER_FILE";
-  if (!job.input.target.empty()) command += " --target " + job.input.target;
+  if (!job.input.target.empty()) command += " --target " + shell_word(job.input.target);
   for (const RigCamera& camera : result.calibration.cameras) {
-    command += fmt::format(" --camera {}='OTHER_IMAGES'", camera.name);
+    command += fmt::format(" --camera {}='OTHER_IMAGES'", shell_word(camera.name));
   }
   return command;
 }
@@ -244,6 +257,7 @@ void run_calibration(const CalibrateJob& job) {
   check_requirements(requirements, camera_names(problem.cameras), problem.laser.has_value());
   problem.rules = dataset.rules;
   problem.rules.insert(problem.rules.end(), job.rules.begin(), job.rules.end());
+  parameter_blocks(problem);  // refuses rules that match nothing, before any asks for its value
   require_values(problem.rules, job.start);
   if (!job.start.empty()) take_start(job.start, problem);
   const std::optional<SurveyInput> survey = job.survey.landmarks.empty() ? dataset.survey : job.survey;

@@ -36,8 +36,7 @@ std::string seen_text(const CalibrationProblem& problem, const CalibrationResult
   return fmt::format("{:.0f}°", degrees(farthest));
 }
 
-// Pixels for each radian on the axis, which lenses of any model have, with its sigma: fx means something else in some.
-std::string focal_text(const RigCamera& camera, const Covariance& covariance) {
+double focal_sigma_by(const Covariance& covariance, const RigCamera& camera) {
   const std::vector<std::string_view> names = parameter_names(camera.camera.model);
   Eigen::VectorXd slopes = Eigen::VectorXd::Zero(std::ssize(covariance.names));
   for (std::size_t k = 0; k < names.size(); ++k) {
@@ -50,8 +49,17 @@ std::string focal_text(const RigCamera& camera, const Covariance& covariance) {
     less.parameters[index] -= step;
     slopes[found - covariance.names.begin()] = (focal_on_axis_px(more) - focal_on_axis_px(less)) / (2.0 * step);
   }
-  const double variance = slopes.dot(covariance.matrix * slopes);
-  return fmt::format("{:.2f} ± {:.2f}", focal_on_axis_px(camera.camera), std::sqrt(std::max(0.0, variance)));
+  return std::sqrt(std::max(0.0, slopes.dot(covariance.matrix * slopes)));
+}
+
+// Pixels for each radian on the axis, which lenses of any model have: fx means something else in some. With its sigma,
+// by the noise of the corners or by how the frames scatter, whichever is larger.
+std::string focal_text(const RigCamera& camera, const Calibration& calibration) {
+  double sigma = focal_sigma_by(calibration.covariance, camera);
+  if (const auto& by_frame = calibration.covariance_by_frame) {
+    sigma = std::max(sigma, focal_sigma_by(*by_frame, camera));
+  }
+  return fmt::format("{:.2f} ± {:.2f}", focal_on_axis_px(camera.camera), sigma);
 }
 
 std::string camera_table(const CalibrationProblem& problem, const CalibrationResult& result) {
@@ -67,12 +75,18 @@ std::string camera_table(const CalibrationProblem& problem, const CalibrationRes
     if (found != result.calibration.cameras.end()) {
       row.push_back(fmt::format("{:.3f}", summary.rms_px));
       row.push_back(fmt::format("{:.3f}", summary.median_px));
-      row.push_back(focal_text(*found, result.calibration.covariance));
+      row.push_back(focal_text(*found, result.calibration));
       row.push_back(seen_text(problem, result, static_cast<int>(c), found->camera));
     }
     rows.push_back(row);
   }
   return text_table(rows);
+}
+
+// Beside a warning that the frames scatter by more, it matters which sigma is shown.
+std::string sigma_line(const Calibration& calibration) {
+  if (!calibration.covariance_by_frame) return {};
+  return "±: one sigma, by the noise of the corners or by how the frames scatter, whichever is larger\n";
 }
 
 std::string rig_lines(const CalibrationResult& result) {
@@ -159,8 +173,8 @@ void add_limited(std::string& text, const std::string& head, const std::vector<s
 
 std::string summary_text(const CalibrationProblem& problem, const CalibrationResult& result,
                          const std::vector<UnusedImage>& unused) {
-  std::string text = camera_table(problem, result) + rig_lines(result) + link_line(problem, result) +
-                     shape_lines(result) + laser_lines(result);
+  std::string text = camera_table(problem, result) + rig_lines(result) + sigma_line(result.calibration) +
+                     link_line(problem, result) + shape_lines(result) + laser_lines(result);
   if (result.survey) text += "surveyed landmarks:\n" + survey_lines(result.survey->images);
   std::vector<std::string> views, ties;
   for (const SetAside& entry : result.set_aside) {

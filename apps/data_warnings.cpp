@@ -161,8 +161,9 @@ std::vector<std::string> data_warnings(const CalibrationProblem& problem, const 
     const int views = result.cameras[c].views_used;
     if (views == 0 || views >= kFewViews) continue;
     warnings.push_back(fmt::format(
-        "camera {} stands on {} views only, too few to show what the lens does in the whole image: the sigmas hold for "
-        "this model, but nothing tests the model; take 15 to 30, near and far, tilted, and into every corner",
+        "camera {} stands on {} views only, too few to show what the lens does in the whole image: nothing tests the "
+        "model, and the sigmas may be several times too small; take 15 to 30, near and far, tilted, and into every "
+        "corner",
         problem.cameras[c].name, views));
   }
   return warnings;

@@ -53,8 +53,8 @@ void run(const DetectFlags& flags) {
   const auto& models = images.observations.models;
   const bool modelled =
       std::ranges::all_of(models, [](const std::optional<ModelId>& model) { return model.has_value(); });
-  fmt::print("\nwrote {0} ({1:.2f} s)\nnext  raybundle calibrate --observations {0}{2}\n", flags.output, images.seconds,
-             modelled ? "" : " --model MODEL");
+  fmt::print("\nwrote {} ({:.2f} s)\nnext  raybundle calibrate --observations {}{}\n", flags.output, images.seconds,
+             shell_word(flags.output), modelled ? "" : " --model MODEL");
 }
 
 }  // namespace

@@ -105,14 +105,14 @@ std::string describe_miss(const Detection& detection) {
   return kNoBoard;
 }
 
-std::string words_of(std::string hint) {
-  std::erase_if(hint, [](unsigned char c) { return std::isdigit(c) != 0; });
-  return hint;
-}
-
 constexpr std::size_t kFewestCorners = 4;
 
 }  // namespace
+
+std::string without_digits(std::string text) {
+  std::erase_if(text, [](unsigned char c) { return std::isdigit(c) != 0; });
+  return text;
+}
 
 DetectedImages detect_images(const Dataset& dataset, const DetectOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
@@ -164,7 +164,7 @@ DetectedImages detect_images(const Dataset& dataset, const DetectOptions& option
       bool any = false;
       for (std::size_t b = 0; b < frame.boards.size(); ++b) {
         const Detection& detection = frame.boards[b];
-        if (!detection.hint.empty()) hints.emplace(words_of(detection.hint), detection.hint);
+        if (!detection.hint.empty()) hints.emplace(without_digits(detection.hint), detection.hint);
         const bool may_be_another = dataset.boards.size() > 1;  // of the data set's
         if (!detection.seen_size.empty() && !may_be_another) ++images.seen_sizes[detection.seen_size];
         if (detection.observations.size() < kFewestCorners) continue;

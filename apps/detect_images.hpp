@@ -29,6 +29,9 @@ struct DetectOptions {
   bool use_cache = true;
 };
 
+/// A reason or hint by its words: those that differ in a figure only say the same.
+std::string without_digits(std::string text);
+
 /// Finds the boards of a data set in all of its images, on several threads, with progress; results are cached by the
 /// content of the image and the board.
 ///

@@ -14,6 +14,7 @@
 #include "raybundle/io/hash.hpp"
 #include "raybundle/scene/atomic_file.hpp"
 #include "sensor_input.hpp"
+#include "terminal.hpp"
 
 namespace raybundle::apps {
 namespace {
@@ -36,7 +37,7 @@ std::string summary(const SensorTable& table, const ExportRequest& request, std:
                     "IMAGE -o points\n",
                     table.range.nearest_m, table.range.farthest_m, table.range.tolerance_px, table.rays.step_px,
                     1e6 * table.rays.error_rad, table.serial, table.self_tests.size(), request.output,
-                    (bytes + 500) / 1000, request.output);
+                    (bytes + 500) / 1000, shell_word(request.output));
 }
 
 void print_json(const SensorTable& table, const ExportRequest& request, const std::string& bytes) {

@@ -49,6 +49,9 @@ std::vector<std::string> glob_files(const std::string& pattern) {
       if (std::filesystem::is_regular_file(path, ignored)) files.push_back(path);
       if (!std::filesystem::exists(path, ignored))
         say_warning(path + " is left out: it links to a file that is not there");
+      // Patterns as wide as left* take in folders as a matter of course, but not what is called as an image is.
+      if (is_image(path) && std::filesystem::is_directory(path, ignored))
+        say_warning(path + " is left out: it is a folder");
     }
   }
   globfree(&found);

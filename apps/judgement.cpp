@@ -107,6 +107,19 @@ Json json_of_maps(const std::vector<double>& ranges_m, const CalibrationResult& 
   return maps;
 }
 
+// How far each camera is from the first one, with the sigma that the terminal states, too.
+Json json_of_baselines(const Calibration& calibration) {
+  Json baselines = Json::array();
+  for (std::size_t c = 1; c < calibration.cameras.size(); ++c) {
+    const RigCamera& camera = calibration.cameras[c];
+    baselines.push_back({{"camera", camera.name},
+                         {"from", calibration.cameras.front().name},
+                         {"length_m", camera.camera_from_rig.translation.norm()},
+                         {"sigma_m", baseline_sigma(camera, calibration)}});
+  }
+  return baselines;
+}
+
 std::string next_views_text(const NextViews& next) {
   if (next.views.empty()) return {};
   std::string text = "next best views, by what they do to " + next.objective + ":\n";
@@ -155,6 +168,7 @@ std::string text_of(const Judgements& judgements) {
 
 std::vector<ReportSection> sections_of(const Judgements& judgements, const CalibrationResult& result) {
   return {{"verdict", json_of(judgements.verdict).dump()},
+          {"baselines", json_of_baselines(result.calibration).dump()},
           {"next_views", json_of(judgements.next_views, result).dump()},
           {"uncertainty_maps", json_of_maps(judgements.ranges_m, result).dump()}};
 }

@@ -24,7 +24,7 @@ Judgements judge(const CalibrationProblem& problem, const CalibrationResult& res
 /// What the terminal says: each requirement, what the data lack, and the next best views when one would help.
 std::string text_of(const Judgements& judgements);
 
-/// `verdict`, `next_views` and `uncertainty_maps` of report.json.
+/// `verdict`, `baselines`, `next_views` and `uncertainty_maps` of report.json.
 std::vector<ReportSection> sections_of(const Judgements& judgements, const CalibrationResult& result);
 
 }  // namespace raybundle::apps

@@ -91,7 +91,7 @@ void run_learn(Flags flags) {
       "groups are told from {:.1f} % of the votes on, classes from {:.1f} %\nwrote {}\nnext  raybundle occupancy "
       "evaluate {}\n",
       flags.learning.scenes, base.classes.size(), base.attribute_set, 100 * base.sure_of_group,
-      100 * base.sure_of_situation, flags.output, flags.output);
+      100 * base.sure_of_situation, flags.output, shell_word(flags.output));
 }
 
 void run_evaluate(Flags flags) {

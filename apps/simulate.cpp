@@ -108,9 +108,9 @@ void print_summary(const SimulateFlags& flags, const Simulation& simulation) {
     fmt::print("{} beams, {} of them with fewer than 4 hits or less than 0.3 m between the nearest and the farthest\n",
                beams.size(), poor);
   }
-  fmt::print("\nwrote {0}\nnext  raybundle calibrate {1}\n", flags.output,
-             flags.images ? flags.output + "/dataset.toml -o out"
-                          : "--observations " + flags.output + "/observations.json -o out");
+  fmt::print("\nwrote {}\nnext  raybundle calibrate {} -o out\n", flags.output,
+             flags.images ? shell_word(flags.output + "/dataset.toml")
+                          : "--observations " + shell_word(flags.output + "/observations.json"));
 }
 
 void print_json(const SimulateFlags& flags, const Simulation& simulation) {
@@ -140,9 +140,13 @@ void run(const SimulateFlags& flags) {
   const fs::path folder(flags.output);
   write_simulation(folder, simulation, command);
   remove_former_images(folder, boarded.rig.cameras);
-  if (flags.images) write_images(folder, boarded, simulation, flags.options, flags.threads);
-  const ProblemLaser* laser = simulation.problem.laser ? &*simulation.problem.laser : nullptr;
-  write_file_whole(folder / "dataset.toml", dataset_text(boarded, laser, command));
+  std::error_code ignored;
+  fs::remove(folder / "dataset.toml", ignored);  // of a former run: it would name images that are no more
+  if (flags.images) {
+    write_images(folder, boarded, simulation, flags.options, flags.threads);
+    const ProblemLaser* laser = simulation.problem.laser ? &*simulation.problem.laser : nullptr;
+    write_file_whole(folder / "dataset.toml", dataset_text(boarded, laser, command));
+  }
   flags.json ? print_json(flags, simulation) : print_summary(flags, simulation);
 }
 

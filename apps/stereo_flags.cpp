@@ -43,7 +43,7 @@ void declare_rectify_flags(CLI::App& verb, RectifyFlags& flags) {
           ->check(CLI::Range(16, 1 << 14)),
       verb.add_option("--height", flags.height_px, "of the rectified images [px]")->check(CLI::Range(16, 1 << 14)),
       verb.add_option("--field", flags.field_deg,
-                      "of view to keep along and across the baseline [deg]; all unless said")
+                      "of view to keep along the baseline, up to 180, and across it [deg]; all unless said")
           ->expected(2)
           ->check(CLI::Range(1.0, 360.0))};
 }

@@ -79,7 +79,7 @@ void run(const TargetFlags& flags) {
     return;
   }
   fmt::print("{}\n  {}\n  {}\n  {}\nnext  raybundle calibrate --target {} --camera NAME='*.jpg' --model MODEL -o out\n",
-             word_of(board), flags.output, toml.string(), scale_in_words(drawing, flags), word_of(board));
+             word_of(board), flags.output, toml.string(), scale_in_words(drawing, flags), shell_word(word_of(board)));
 }
 
 std::string footer() {

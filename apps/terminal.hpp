@@ -35,6 +35,9 @@ class Progress {
   bool terminal_;
 };
 
+/// A path or a name as one word of a command to be typed: in quotes where the shell would take it apart.
+std::string shell_word(const std::string& text);
+
 /// Rows of cells as an aligned text table, the first row being its head; numbers flush right.
 std::string text_table(const std::vector<std::vector<std::string>>& rows);
 

@@ -33,7 +33,7 @@ function cameraSection(camera, report) {
   return section(camera.anchor, `Camera ${camera.name}`,
     el("p", {}, `${camera.views_used} of ${counted(camera.views_total, "view")} and ${counted(camera.corners_used, "corner")} used, ` +
       `${count(camera.corners_outlier)} left out as outliers${beyond}; rms ${px(camera.rms_px)} px, median ${px(camera.median_px)} px.`),
-    figures, straightFigures(camera, report), el("h3", {}, "Views, worst first"), panel.node, el("h3", {}, "Parameters"), parametersTable(camera));
+    figures, straightFigures(camera, report), el("h3", {}, "Views, worst first"), panel.node, el("h3", {}, "Parameters"), parametersTable(camera, report));
 }
 
 function navigation(sections) {
@@ -50,7 +50,7 @@ function drawPage(report) {
     camera?.choose(camera.entries.find(seen));
   };
   const warnings = warningsSection(report);
-  const sections = [verdictSection(report), warnings, nextViewsSection(report, cameras), camerasSection(cameras),
+  const sections = [verdictSection(report), warnings, nextViewsSection(report, cameras), camerasSection(cameras, report),
     ...cameras.map((camera) => cameraSection(camera, report)), rigSection(report, cameras, chooseFrame), boardsSection(report), surveySection(report), comparisonSection(report, cameras),
     setAsideSection(report), runSection(report)].filter(Boolean);
   const version = report.provenance.versions.find(({ name }) => name === "raybundle");

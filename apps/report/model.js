@@ -74,7 +74,12 @@ export function cellsOf(camera, used, columns) {
   return { columns, rows, cells, covered: cells.filter((cell) => cell.n > 0).length };
 }
 
-/** One camera with its views, corners and cells. */
+/** A sigma by the noise of the corners, or by how the frames scatter where that is larger; name as in sigma_ratio_by_frame. */
+export function largerSigma(sigma, name, report) {
+  return sigma * Math.max(1, report.sigma_ratio_by_frame?.[name] ?? 1);
+}
+
+/** One camera with its views, corners and cells, and the larger of its sigmas. */
 export function cameraModel(camera, report) {
   const views = report.views.filter((view) => view.camera === camera.name);
   const reasons = report.set_aside.filter((entry) => entry.camera === camera.name && entry.scope !== "image");
@@ -92,8 +97,9 @@ export function cameraModel(camera, report) {
   const used = corners.filter((corner) => corner.fate === "used" && Number.isFinite(corner.distance));
   const distances = used.map((corner) => corner.distance).sort((a, b) => a - b);
   const angles = used.map((corner) => corner.angle).filter(Number.isFinite);
+  const sigmas = Object.fromEntries(Object.entries(camera.sigmas ?? {}).map(([name, sigma]) => [name, largerSigma(sigma, `${camera.name}.${name}`, report)]));
   return {
-    ...camera, entries, corners, used, distances, cells: cellsOf(camera, used, 16),
+    ...camera, sigmas, entries, corners, used, distances, cells: cellsOf(camera, used, 16),
     means: cellsOf(camera, used, Math.max(8, Math.min(24, Math.round(Math.sqrt(used.length / 8))))),
     leftOut: corners.filter((corner) => corner.fate === "outlier" || corner.fate === "unprojectable"),
     widest: angles.reduce((most, angle) => Math.max(most, angle), 0), hasAngles: angles.length > 0,

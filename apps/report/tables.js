@@ -4,6 +4,7 @@
 
 import { count, counted, el, fixed, imageLink, narrowTable, percent, px, section, sentence, table, withSigma } from "./dom.js";
 import { boardFigure } from "./board_figure.js";
+import { largerSigma } from "./model.js";
 import { rectifiedFigures } from "./pictures.js";
 import { rigFigure } from "./space.js";
 
@@ -32,7 +33,14 @@ export function tiles(report) {
     tile("solve", ended, `in ${counted(report.iterations, "iteration")}`));
 }
 
-export function camerasSection(cameras) {
+/** Whose sigmas stand in the tables. */
+function sigmaWords(report) {
+  return report.sigma_ratio_by_frame
+    ? "± is one standard deviation, by the noise of the corners or by how the frames scatter, whichever is larger."
+    : "± is one standard deviation, by the noise of the corners.";
+}
+
+export function camerasSection(cameras, report) {
   const rows = cameras.map((camera) => [
     el("a", { href: "#" + camera.anchor }, camera.name), camera.model, `${camera.width}\u00a0×\u00a0${camera.height}`,
     `${camera.views_used} / ${camera.views_total}`, count(camera.corners_used), count(camera.corners_outlier),
@@ -42,34 +50,35 @@ export function camerasSection(cameras) {
   return section("cameras", "Cameras", table([["camera", ""], ["lens model", ""], ["image", ""], ["views used", "number"],
     ["corners used", "number"], ["left out", "number"], ["rms px", "number"], ["median px", "number"], ["focal length px", "number"],
     ["image covered", "number"]], rows, "Cameras"),
-    el("p", { class: "muted" }, "rms is the root of the mean squared distance per corner, as OpenCV defines it; ± is one standard deviation."));
+    el("p", { class: "muted" }, "rms is the root of the mean squared distance per corner, as OpenCV defines it. " + sigmaWords(report)));
 }
 
-export function parametersTable(camera) {
+export function parametersTable(camera, report) {
   if (!camera.parameters) return el("p", {}, "This camera was not calibrated.");
   const unit = (name) => (["fx", "fy", "cx", "cy"].includes(name) ? "px" : "");
   const rows = Object.entries(camera.parameters).map(([name, value]) => {
     const [text, sigma] = withSigma(value, camera.sigmas[name]);
     return [el("code", {}, name), text, sigma, unit(name)];
   });
-  return narrowTable([["parameter", ""], [camera.model, "number"], ["sigma", "number"], ["unit", ""]], rows, `Parameters of ${camera.name}`);
+  return el("div", {},
+    narrowTable([["parameter", ""], [camera.model, "number"], ["sigma", "number"], ["unit", ""]], rows, `Parameters of ${camera.name}`),
+    el("p", { class: "muted" }, sigmaWords(report)));
 }
 
-/** Length of a translation and its sigma to first order [m]. */
-export function baseline(camera) {
-  const t = camera.camera_from_rig.translation_m, length = Math.hypot(...t);
-  const parts = ["x", "y", "z"].map((axis, i) => (t[i] / (length || 1)) * (camera.sigmas["camera_from_rig.translation_" + axis] ?? 0));
-  return [length, Math.hypot(...parts)];
+/** As the report says it: the axes of a translation err together, so that their sigmas alone do not tell that of its length. */
+function baselineText(camera, report) {
+  const known = (report.baselines ?? []).find((baseline) => baseline.camera === camera.name);
+  if (!known) return fixed(1e3 * Math.hypot(...camera.camera_from_rig.translation_m), 2);
+  return withSigma(1e3 * known.length_m, 1e3 * known.sigma_m).join(" ");
 }
 
-export function extrinsicsTable(cameras) {
+export function extrinsicsTable(cameras, report) {
   const rows = cameras.slice(1).filter((camera) => camera.camera_from_rig).map((camera) => {
     const { rotation_xyzw: q, translation_m: t } = camera.camera_from_rig, sigma = (name) => camera.sigmas["camera_from_rig." + name];
-    const [length, length_sigma] = baseline(camera);
     const turn = (2 * Math.atan2(Math.hypot(q[0], q[1], q[2]), Math.abs(q[3])) * 180) / Math.PI;
     const turn_sigma = (Math.hypot(...["x", "y", "z"].map((axis) => sigma("rotation_" + axis) ?? 0)) * 180) / Math.PI;
     const millimetres = ["x", "y", "z"].map((axis, i) => withSigma(1e3 * t[i], 1e3 * sigma("translation_" + axis)).join(" "));
-    return [camera.name, withSigma(1e3 * length, 1e3 * length_sigma).join(" "), fixed(turn, 3), fixed(turn_sigma, 4), ...millimetres];
+    return [camera.name, baselineText(camera, report), fixed(turn, 3), fixed(turn_sigma, 4), ...millimetres];
   });
   return narrowTable([["camera", ""], ["baseline mm", "number"], ["turned by °", "number"], ["rotation sigma °", "number"], ["x mm", "number"],
     ["y mm", "number"], ["z mm", "number"]], rows, "Places of the cameras");
@@ -79,8 +88,8 @@ export function extrinsicsTable(cameras) {
 export function rigSection(report, cameras, chooseFrame) {
   const first = cameras[0].name;
   const words = cameras.length > 1
-    ? [extrinsicsTable(cameras), el("p", { class: "muted" },
-      `Relative to ${first}, whose frame is the rig frame. x, y, z: translation of camera_from_rig. Rotation sigma: root of the summed squares over the three axes.`)]
+    ? [extrinsicsTable(cameras, report), el("p", { class: "muted" },
+      `Relative to ${first}, whose frame is the rig frame. x, y, z: translation of camera_from_rig. Rotation sigma: root of the summed squares over the three axes. ${sigmaWords(report)}`)]
     : [];
   const space = report.poses.length && cameras.some((camera) => camera.camera_from_rig) ? [rigFigure(report, chooseFrame)] : [];
   return section("rig", cameras.length > 1 ? "The rig" : "The poses", ...words, ...space, ...rectifiedFigures(report), el("p", { class: "muted" }, sentence(report.gauge)));
@@ -88,7 +97,8 @@ export function rigSection(report, cameras, chooseFrame) {
 
 export function boardsSection(report) {
   const rows = report.targets.map((target) => {
-    const shape = target.shape ?? {}, sigmas = target.shape_sigmas ?? {};
+    const shape = target.shape ?? {}, known = target.shape_sigmas ?? {};
+    const sigmas = Object.fromEntries(Object.entries(known).map(([key, sigma]) => [key, largerSigma(sigma, `${target.name}.${key.replace(/_m$/, "")}`, report)]));
     const sag = (key) => (sigmas[key] > 0 ? withSigma(1e3 * shape[key], 1e3 * sigmas[key]).join(" ") : shape[key] ? fixed(1e3 * shape[key], 3) + " held fixed" : "taken as 0");
     return [target.name, count(target.points.length), sag("bend_x_m"), sag("bend_y_m"), sag("twist_m")];
   });

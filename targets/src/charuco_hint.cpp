@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <opencv2/core.hpp>
 
 #include "board_dictionary.hpp"
 #include "charuco.hpp"
+#include "raybundle/geometry/quantile.hpp"
 
 namespace raybundle {
 namespace {
@@ -50,11 +52,47 @@ std::string mirror_hint(const cv::Mat& upright, const Charuco& board, const Mark
   return fmt::format("{} markers are read in the image's mirror image: {}", agree, kMirrored);
 }
 
+// The middle of a marker or of its place on the board.
+Eigen::Vector2d centre(const std::array<Eigen::Vector2d, 4>& corners) {
+  return 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+}
+
+double mean_side(const std::array<Eigen::Vector2d, 4>& corners) {
+  double sum = 0.0;
+  for (int k = 0; k < 4; ++k) sum += (corners[(k + 1) % 4] - corners[k]).norm();
+  return 0.25 * sum;
+}
+
+// How large markers are against squares shows in how far apart neighbours stand, whatever the lens and the pose.
+std::string size_hint(const MarkerSearch& search, const Charuco& board) {
+  constexpr double kNeighbours = 1.5;  // squares: those on a diagonal
+  constexpr double kAgreement = 0.15;  // of the size, which perspective and distortion hardly exceed
+  const MarkerLayout layout = charuco_layout(board);
+  std::vector<double> sizes_m;
+  for (const Marker& a : search.markers) {
+    for (const Marker& b : search.markers) {
+      const auto known = static_cast<int>(layout.size());
+      if (a.id >= b.id || a.id >= known || b.id >= known) continue;
+      const double apart_m = (centre(layout[a.id]) - centre(layout[b.id])).norm();
+      if (apart_m > kNeighbours * board.square_m) continue;
+      const double side_px = 0.5 * (mean_side(a.corners) + mean_side(b.corners));
+      sizes_m.push_back(side_px * apart_m / (centre(a.corners) - centre(b.corners)).norm());
+    }
+  }
+  if (sizes_m.size() < kFewestMarkers) return {};
+  const double size_m = median(sizes_m);
+  const auto alike = [&](double other_m) { return std::abs(other_m - size_m) < kAgreement * size_m; };
+  if (4 * std::ranges::count_if(sizes_m, alike) < 3 * std::ssize(sizes_m) || alike(board.marker_m)) return {};
+  return fmt::format("the markers seen are about {:.3g} mm wide if squares are {:.3g} mm, not {:.3g} mm: measure both",
+                     1e3 * size_m, 1e3 * board.square_m, 1e3 * board.marker_m);
+}
+
 }  // namespace
 
 std::string charuco_hint(const cv::Mat& upright, const Charuco& board, const MarkerSearch& search) {
   if (std::string hint = layout_hint(search, board); !hint.empty()) return hint;
   if (std::string hint = mirror_hint(upright, board, search); !hint.empty()) return hint;
+  if (std::string hint = size_hint(search, board); !hint.empty()) return hint;
   if (search.markers.size() >= kFewestMarkers && agreeing(search, board) < kFewestMarkers) {
     return fmt::format(
         "{} markers of {} seen, but they do not stand as on a board of {} x {} squares: check columns and rows",

@@ -90,10 +90,13 @@ Detection unplaced_lattice(const Lattice& lattice, const LatticeBorders& closed,
                         seen, asked),
             seen};
   }
+  const bool as_squares = low == board_low - 1 && high == board_high - 1;  // how the mistake would look that is usual
+  const std::string counted =
+      as_squares ? fmt::format("; did you count squares? chessboard:{}:SQUARE would fit", seen) : "";
   return {{},
           fmt::format("{} inner corners of a chessboard are in the image, but not where on the {} board they lie: part "
-                      "of the board is out of sight, or the board is not {}",
-                      seen, asked, asked),
+                      "of the board is out of sight, or the board is not {}{}",
+                      seen, asked, asked, counted),
           {}};
 }
 

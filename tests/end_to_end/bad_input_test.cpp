@@ -172,15 +172,6 @@ TEST_F(BadInput, TwoBoardsThatImagesDoNotTellApart) {
   refuses_boards(chessboard("a", nine) + chessboard("a", nine), {"dataset.toml:7", "two [[target]] are called 'a'"});
 }
 
-// docs/formats/dataset.md names all options of [calibrate], with their defaults.
-TEST(DatasetDocs, NameEveryOptionOfCalibrate) {
-  const std::string docs = text_of(RAYBUNDLE_SOURCE_DIR "/docs/formats/dataset.md");
-  CalibrateOptions options;
-  CalibrateOptions::for_each_option(options, [&](const char* name, const char*, const char*, const auto& value) {
-    EXPECT_THAT(docs, HasSubstr(fmt::format("\n{} = {}", name, value)));
-  });
-}
-
 // NaN is within every range that is asked for by comparing.
 TEST(NumberFlags, NoneTakesWhatIsNoNumber) {
   const std::vector<std::string> verbs[] = {{"compare", "a.json", "b.json", "--max-px"},
@@ -203,10 +194,19 @@ TEST(NumberFlags, NoneTakesWhatIsNoNumber) {
   EXPECT_THAT(negative.err, HasSubstr("'-3' must be a number above 0"));
 }
 
+// What is not there needs no value.
+TEST_F(BadInput, RulesForNoParameterSayWhichThereAre) {
+  RAYBUNDLE_NEEDS_DATA(kImages);
+  copy_images(3);
+  std::vector<std::string> arguments = images();
+  arguments.insert(arguments.end(), {"--fix", "nothing.fx"});
+  refuses(arguments, 2, {"no parameter matches 'nothing.fx'; there are: left.intrinsics, left.fx"});
+}
+
 TEST_F(BadInput, FewerThanThreeViews) {
   RAYBUNDLE_NEEDS_DATA(kImages);
   copy_images(2);
-  refuses(images(), 3, {"camera left", "only 2 of 2 views", "three"});
+  refuses(images(), 3, {"camera left", "there are only 2 views of the board", "three"});
 }
 
 // A board that only turns in its own plane and moves: every focal length explains it, at another distance.

@@ -2,10 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "dataset.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <iterator>
+
 #include "raybundle/geometry/error.hpp"
+#include "terminal.hpp"
 
 namespace raybundle::apps {
 namespace {
@@ -27,6 +32,36 @@ TEST(DatasetToml, ABoardsNameIsTextOrLeftOut) {
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), HasSubstr("d.toml:2: [target].name must be a text in quotes"));
   }
+}
+
+std::string documentation() {
+  std::ifstream file(RAYBUNDLE_SOURCE_DIR "/docs/formats/dataset.md");
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// docs/formats/dataset.md names all options of [calibrate], with their defaults.
+TEST(DatasetDocs, NameEveryOptionOfCalibrate) {
+  const std::string docs = documentation();
+  CalibrateOptions options;
+  CalibrateOptions::for_each_option(options, [&](const char* name, const char*, const char*, const auto& value) {
+    EXPECT_THAT(docs, HasSubstr(fmt::format("\n{} = {}", name, value)));
+  });
+}
+
+TEST(DatasetDocs, ShowAnExampleThatIsAccepted) {
+  const std::string docs = documentation();
+  const std::string fence = "```toml\n";
+  const std::size_t begin = docs.find(fence) + fence.size();
+  const Dataset dataset = dataset_from_text(docs.substr(begin, docs.find("```", begin) - begin), "dataset.md");
+  EXPECT_EQ(dataset.cameras.size(), 2u);
+  EXPECT_TRUE(dataset.laser && dataset.survey);
+}
+
+TEST(ShellWord, IsQuotedWhereAShellWouldTakeItApart) {
+  EXPECT_EQ(shell_word("out/a-b_1.json"), "out/a-b_1.json");
+  EXPECT_EQ(shell_word("my out"), "'my out'");
+  EXPECT_EQ(shell_word("it's"), "'it'\\''s'");
+  EXPECT_EQ(shell_word(""), "''");
 }
 
 TEST(AnchorFlag, NamesADotAndItsBeam) {

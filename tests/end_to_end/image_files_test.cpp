@@ -64,6 +64,18 @@ TEST(FindsImages, AndNamesALinkToNothing) {
   EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("left2.jpg is left out: it links to a file"));
 }
 
+TEST(FindsImages, AndNamesAFolderThatIsCalledAsAnImage) {
+  const fs::path folder = fresh_folder();
+  write_text(folder / "left1.jpg", "");
+  fs::create_directories(folder / "left2.jpg");
+  fs::create_directories(folder / "left_old");
+  ::testing::internal::CaptureStderr();
+  EXPECT_THAT(apps::matching_files(folder.string(), {"left*"}), ElementsAre((folder / "left1.jpg").string()));
+  const std::string said = ::testing::internal::GetCapturedStderr();
+  EXPECT_THAT(said, HasSubstr("left2.jpg is left out: it is a folder"));
+  EXPECT_THAT(said, ::testing::Not(HasSubstr("left_old")));
+}
+
 TEST(FindsImages, OfAFolderAsAPatternInIt) {
   const std::string folder = fresh_folder().string();
   for (const std::string& written : {folder, folder + "/"}) {

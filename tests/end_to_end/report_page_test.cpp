@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "browser.hpp"
+#include "calibration_summary.hpp"
 #include "judgement.hpp"
 #include "raybundle/calibrate/calibrate.hpp"
 #include "raybundle/io/report_file.hpp"
@@ -22,6 +23,7 @@ namespace raybundle::testing {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::AllOf;
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -122,6 +124,36 @@ TEST_F(ReportPageInBrowser, ShowsTheViewThatIsChosen) {
   const std::string before = text(".views figcaption strong");
   browser->click(".views tbody tr:nth-child(3) button");
   EXPECT_NE(text(".views figcaption strong"), before);
+}
+
+// Where the frames scatter by more than the corners' noise, page and terminal show what the frames say, and say so.
+TEST_F(ReportPageInBrowser, ShowsTheSigmasOfTheTerminal) {
+  Example made = example();
+  Calibration& calibration = made.result.calibration;
+  calibration.covariance_by_frame = {calibration.covariance.names, 9.0 * calibration.covariance.matrix};
+  made.extra.sections = apps::sections_of(apps::judge(made.problem, made.result, {}), made.result);
+  open(text_from_report(made.problem, made.result, made.extra));
+  const auto by_page = [&](const std::string& selector) {
+    std::string words = text(selector);
+    const std::string sign = "± ";
+    return std::stod(words.substr(words.find(sign) + sign.size()));
+  };
+  const RigCamera& camera = calibration.cameras[1];
+  constexpr double kTwoDigits = 0.05;  // of the value: what rounding to two digits may take
+  const double baseline_mm = 1e3 * baseline_sigma(camera, calibration);
+  EXPECT_NEAR(by_page("#rig table td:nth-child(2)"), baseline_mm, kTwoDigits * baseline_mm);
+  const double fx_px = 3.0 * calibration.covariance.sigma("camera1.fx");
+  EXPECT_NEAR(by_page("[aria-label='Parameters of camera1'] tbody td:nth-child(3)"), fx_px, kTwoDigits * fx_px);
+  EXPECT_THAT(text("main"), HasSubstr("how the frames scatter, whichever is larger"));
+  EXPECT_THAT(apps::summary_text(made.problem, made.result, {}),
+              AllOf(HasSubstr(fmt::format("± {:.2f} mm", baseline_mm)), HasSubstr("whichever is larger")));
+}
+
+// The solve takes pixels as they are stored, so that a page may not turn a photo as its EXIF says.
+TEST_F(ReportPageInBrowser, DoesNotTurnPhotos) {
+  const Example made = example();
+  open(text_from_report(made.problem, made.result, made.extra));
+  EXPECT_EQ(browser->evaluate("getComputedStyle(document.querySelector('.photo img')).imageOrientation"), "none");
 }
 
 // The beams of a laser stand in space beside the boards, and say how many they are.

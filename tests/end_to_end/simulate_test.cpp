@@ -55,6 +55,7 @@ TEST(Simulate, WritesPairsOfImagesThatDoNotDependOnThreads) {
   EXPECT_FALSE(fs::exists(folder / "one" / "images" / "camera" / "002_off.png")) << "of the earlier run";
   simulate(folder / "one", rig, {"--frames", "2", "--seed", "8", "--no-images"});
   EXPECT_FALSE(fs::exists(folder / "one" / "images" / "camera" / "000_off.png")) << "of another truth";
+  EXPECT_FALSE(fs::exists(folder / "one" / "dataset.toml")) << "which names images";
 }
 
 TEST(Simulate, TwelveBitsFillThoseOfAPng) {

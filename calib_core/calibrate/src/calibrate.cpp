@@ -12,6 +12,7 @@
 #include "content_order.hpp"
 #include "further_measurements.hpp"
 #include "joint_solve.hpp"
+#include "prior_weight.hpp"
 #include "raybundle/bundle/parameters.hpp"
 #include "raybundle/calibrate/lens_domain.hpp"
 #include "raybundle/calibrate/lens_prior.hpp"
@@ -121,7 +122,7 @@ CalibrationResult for_whole_problem(const CalibrationProblem& whole, const std::
     views[v].dot_residuals_px.assign(whole.views[v].dots.size(), Eigen::Vector2d::Constant(std::nan("")));
     views[v].residuals_px.assign(count, Eigen::Vector2d::Constant(std::nan("")));
     summaries[camera].views_total += 1;
-    result.set_aside.push_back({static_cast<int>(v), SetAside::Scope::kView, "its camera could not be calibrated"});
+    result.set_aside.push_back({static_cast<int>(v), SetAside::Scope::kView, alone.why_aside[camera]});
   }
   for (std::size_t c = 0; c < whole.cameras.size(); ++c) {
     if (!alone.cameras[c]) result.warnings.push_back(alone.why_not[c]);
@@ -187,6 +188,7 @@ CalibrationResult calibrate_together(CalibrationProblem problem, const CamerasAl
   for (std::size_t v = 0; v < sub.views.size(); ++v) result.views[v].symmetry = rig.symmetry_of_view[v];
   name_given_up(sub.problem, rules, result);
   warn_of_folds(sub.problem, state, result);
+  std::ranges::copy(contradicted_priors(sub.problem, state, result), std::back_inserter(result.warnings));
   std::ranges::copy_if(solve.ties.untied, std::back_inserter(result.set_aside),
                        [&](const SetAside& untied) { return state.pose_of_view[untied.view] >= 0; });
   name_views_set_aside(state, reasons, result);
@@ -205,6 +207,32 @@ CalibrationResult calibrate_together(CalibrationProblem problem, const CamerasAl
   return for_whole_problem(problem, cameras, sub, alone, std::move(result));
 }
 
+// Whether a camera sees a board in a frame in which another one sees it, too.
+bool shares_boards(const CalibrationProblem& problem, int camera) {
+  return std::ranges::any_of(problem.views, [&](const TargetView& mine) {
+    return mine.camera == camera && std::ranges::any_of(problem.views, [&](const TargetView& other) {
+             return other.camera != camera && other.frame == mine.frame && other.target == mine.target;
+           });
+  });
+}
+
+// Leaves out a camera that is calibrated, but has no place on the rig.
+void leave_out(const CalibrationProblem& problem, int camera, const Error& refusal, CamerasAlone& alone) {
+  const std::string name = "camera " + problem.cameras[camera].name;
+  alone.cameras[camera].reset();
+  if (shares_boards(problem, camera)) {
+    alone.why_not[camera] = name + " is left out, because with it " + refusal.what() +
+                            ", or calibrate it in a run of its own, with only its images";
+    alone.why_aside[camera] = "its camera could not be linked to the others";
+  } else {
+    alone.why_not[camera] = name +
+                            " is left out: in no frame does it see a board together with another camera, so that "
+                            "nothing tells its place on the rig; add images in which they see the board at the same "
+                            "moment, or calibrate it in a run of its own, with only its images";
+    alone.why_aside[camera] = "its camera shares no frame with the others";
+  }
+}
+
 // Of three cameras or more, one whose images are of other moments does not cost the rig: the rest is calibrated
 // without it. Nothing when no camera is such.
 std::optional<CalibrationResult> calibrate_without_one(const CalibrationProblem& problem, const CamerasAlone& alone,
@@ -214,8 +242,7 @@ std::optional<CalibrationResult> calibrate_without_one(const CalibrationProblem&
   const OrderedProblem ordered = in_order_of_content(problem);
   for (std::size_t c = 0; c < problem.cameras.size(); ++c) {
     CamerasAlone others = alone;
-    others.cameras[c].reset();
-    others.why_not[c] = "camera " + problem.cameras[c].name + " is left out, because with it " + refusal.what();
+    leave_out(problem, static_cast<int>(c), refusal, others);
     try {
       return in_given_order(ordered, calibrate_together(ordered.problem, others, options, stages));
     } catch (const Error& error) {
@@ -225,11 +252,7 @@ std::optional<CalibrationResult> calibrate_without_one(const CalibrationProblem&
   return std::nullopt;
 }
 
-}  // namespace
-
-CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOptions& options) {
-  check(problem);
-  parameter_blocks(problem);  // refuses rules that match nothing
+CalibrationResult calibrate_as_weighed(const CalibrationProblem& problem, const CalibrateOptions& options) {
   OrderedProblem ordered = in_order_of_content(problem);
   std::vector<StageTime> stages;
   const CamerasAlone alone = solve_cameras_alone(ordered.problem, options, stages);
@@ -239,6 +262,29 @@ CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOp
     if (auto result = calibrate_without_one(problem, alone, options, stages, refusal)) return std::move(*result);
     throw;
   }
+}
+
+}  // namespace
+
+CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOptions& options) {
+  check(problem);
+  parameter_blocks(problem);  // refuses rules that match nothing
+  CalibrationResult result = calibrate_as_weighed(problem, options);
+  if (!has_priors(problem)) return result;
+  // A prior counts against corners by what they are off by, not by what a detector says; and that is known only now.
+  // The least noise counts: where a prior pulls too hard there is more.
+  constexpr int kMostWeighings = 4;
+  constexpr double kSettled = 0.98;
+  double noise = 1.0;
+  for (int round = 0; round < kMostWeighings; ++round) {
+    const double now = corner_noise(problem, result);
+    if (round == 0 ? std::abs(now - noise) < (1.0 - kSettled) : now > kSettled * noise) break;
+    noise = now;
+    std::vector<StageTime> stages = std::move(result.stages);
+    result = calibrate_as_weighed(with_priors_for(problem, noise), options);
+    result.stages.insert(result.stages.begin(), stages.begin(), stages.end());
+  }
+  return result;
 }
 
 }  // namespace raybundle

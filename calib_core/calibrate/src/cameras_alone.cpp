@@ -127,6 +127,7 @@ CamerasAlone solve_cameras_alone(const CalibrationProblem& problem, const Calibr
   alone.summaries.resize(problem.cameras.size());
   alone.sigmas.resize(problem.cameras.size());
   alone.why_not.resize(problem.cameras.size());
+  alone.why_aside.resize(problem.cameras.size(), "its camera could not be calibrated");
   alone.given_up.resize(problem.cameras.size());
   alone.camera_from_target.resize(problem.views.size());
   alone.mirrored.resize(problem.views.size());

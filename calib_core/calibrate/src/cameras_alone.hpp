@@ -16,6 +16,7 @@ namespace raybundle {
 struct CamerasAlone {
   std::vector<std::optional<Camera>> cameras;        ///< empty where the views do not determine one
   std::vector<std::string> why_not;                  ///< for those
+  std::vector<std::string> why_aside;                ///< for those: a clause for each of their views
   std::vector<double> sigmas;                        ///< of each camera's noise, as in robust_sigmas
   std::vector<BundleSummary> summaries;              ///< of the last solve of each camera
   std::vector<std::vector<ParameterRule>> given_up;  ///< of each camera: coefficients that are held at zero

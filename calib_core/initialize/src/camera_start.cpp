@@ -268,10 +268,14 @@ PosedViews posed_views(ModelId model, const LensVector& parameters, const Camera
 std::vector<PosedViews> find_lenses(const ProblemCamera& camera, const CameraViews& all) {
   const std::span<const PointsInView> views = all.usable();
   if (views.size() < 3) {
-    throw Error(ErrorKind::kNotEnoughData,
-                "only " + std::to_string(views.size()) + " of " + std::to_string(all.corners.size()) +
-                    " views show four corners or more that do not lie on one line, and a lens needs three; take "
-                    "more images of the board",
+    const std::string usable = std::to_string(views.size()), count = std::to_string(all.corners.size());
+    const std::string few =
+        views.size() < all.corners.size()
+            ? "only " + usable + " of " + count + " views show four corners or more that do not lie on one line"
+        : views.empty()
+            ? "there is no view of the board"
+            : "there " + std::string(views.size() == 1 ? "is only 1 view" : "are only 2 views") + " of the board";
+    throw Error(ErrorKind::kNotEnoughData, few + ", and a lens needs three; take more images of the board",
                 "camera " + camera.name);
   }
   std::vector<PointsInView> chosen;

@@ -7,9 +7,11 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "motion_findings.hpp"
 #include "raybundle/uncertainty/drift.hpp"
+#include "raybundle/uncertainty/frame_covariance.hpp"
 #include "raybundle/uncertainty/residual_bias.hpp"
 #include "sensitivity.hpp"
 
@@ -166,9 +168,11 @@ std::optional<Finding> parameters_finding(const RigCamera& camera, const Covaria
       good ? "" : "tilt the board more, near and far, or choose a model with fewer parameters"};
 }
 
-// The principal point's, which a touched lens moves first. What is less than the corners' noise does no harm.
+// The principal point's, which a touched lens moves first. What is less than the corners' noise does no harm. Too few
+// frames to tell how much those of a touched lens would scatter anyway tell nothing.
 std::optional<Finding> drift_finding(const RigCamera& camera, double rms_px, const std::vector<Drift>& drifts,
                                      const Calibration& calibration) {
+  if (!calibration.covariance_by_frame) return std::nullopt;
   double moved2 = 0.0, sigmas = 0.0;
   bool any = false;
   for (const Drift& drift : drifts) {
@@ -177,7 +181,7 @@ std::optional<Finding> drift_finding(const RigCamera& camera, double rms_px, con
     moved2 += drift.change * drift.change;
     // Where corners of a frame err together, halves of the frames differ by more than the corners' noise.
     const double plain = calibration.covariance.sigma(drift.name);
-    const double by_frame = calibration.covariance_by_frame ? calibration.covariance_by_frame->sigma(drift.name) : 0.0;
+    const double by_frame = calibration.covariance_by_frame->sigma(drift.name);
     sigmas = std::max(sigmas, std::abs(drift.change) / (drift.sigma * std::max(1.0, by_frame / plain)));
   }
   if (!any) return std::nullopt;
@@ -188,6 +192,20 @@ std::optional<Finding> drift_finding(const RigCamera& camera, double rms_px, con
                              "{:.1f} of its sigmas",
                              moved, sigmas),
                  good ? "" : "was the lens or its mount touched, or did it warm up? Then calibrate from one half only"};
+}
+
+// Sigmas take corners for independent witnesses; whether they are, frames tell against each other.
+std::optional<Finding> sigmas_finding(const CalibrationResult& result) {
+  if (result.calibration.covariance_by_frame || result.poses.empty()) return std::nullopt;
+  std::set<int> frames;
+  for (const BoardPose& pose : result.poses) frames.insert(pose.frame);
+  if (static_cast<int>(frames.size()) >= kFewestFrames) return std::nullopt;
+  return Finding{
+      "the data", "sigmas", false,
+      fmt::format("fewer than {} frames cannot tell whether the corners of a frame err together, so that all "
+                  "sigmas may be several times too small",
+                  kFewestFrames),
+      "take more images before you rely on the sigmas"};
 }
 
 // A bend makes up for much of a lens that does not fit: then it says nothing about the board.
@@ -239,6 +257,7 @@ std::vector<Finding> findings(const CalibrationProblem& problem, const Calibrati
   }
   if (const auto finding = sync_finding(problem, result)) all.push_back(*finding);
   if (const auto finding = repetition_finding(problem, result)) all.push_back(*finding);
+  if (const auto finding = sigmas_finding(result)) all.push_back(*finding);
   for (const CalibratedTarget& target : result.calibration.targets) {
     if (const auto finding = shape_finding(target, lenses_fit)) all.push_back(*finding);
   }

@@ -85,9 +85,10 @@ std::optional<Finding> repetition_finding(const CalibrationProblem& problem, con
   const bool good = found.worth > kWorthTelling * found.frames;
   return Finding{
       "the data", "repetition", good,
-      fmt::format("{} pairs of frames show the board in the same place, where {:.0f} % of their errors are the "
-                  "same: {} poses of the board tell as much as {:.0f} in places of their own",
-                  found.pairs, 100 * found.correlation, found.frames, found.worth),
+      fmt::format("{} the board in the same place, where {:.0f} % of their errors are the same: {} poses of the board "
+                  "tell as much as {:.0f} in places of their own",
+                  found.pairs == 1 ? "1 pair of frames shows" : fmt::format("{} pairs of frames show", found.pairs),
+                  100 * found.correlation, found.frames, found.worth),
       good ? "" : "move and tilt the board from image to image; more images of the same pose tell little"};
 }
 

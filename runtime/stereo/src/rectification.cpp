@@ -200,6 +200,12 @@ void state_field(Rectification& pair) {
 }  // namespace
 
 Rectification rectify(const RigCamera& left, const RigCamera& right, const RectifyOptions& options) {
+  if (options.field_x_rad > M_PI) {
+    throw Error(ErrorKind::kBadInput,
+                "a field of " + rounded(degrees(options.field_x_rad)) +
+                    "° along the baseline does not exist: from pole to pole there are 180°; give less along it, and up "
+                    "to 360° across it");
+  }
   Rectification pair;
   const Eigen::Matrix3d axes = rectified_axes(left, right, pair.baseline_m);
   const Eigen::Quaterniond rectified_from_rig(Eigen::Matrix3d(axes.transpose()));

@@ -187,6 +187,23 @@ TEST(Calibrate, OneCameraOutOfStepDoesNotCostTheRig) {
   EXPECT_THAT(result.warnings, ::testing::Contains(::testing::HasSubstr("camera2 is left out")));
 }
 
+// A camera that never sees a board together with another one is calibrated well, but has no place: that is said.
+TEST(Calibrate, OneCameraWithFramesOfItsOwnIsNamedAsNotLinked) {
+  SyntheticOptions options = stereo(23);
+  SyntheticCamera third;
+  third.camera_from_rig = beside(-0.1, -0.1);
+  options.cameras.push_back(third);
+  SyntheticWorld world = synthetic_world(options);
+  std::erase_if(world.problem.views,
+                [](const TargetView& view) { return (view.frame % 3 == 0) != (view.camera == 2); });
+  const CalibrationResult result = calibrate(world.problem);
+  ASSERT_THAT(result.calibration.cameras, ::testing::SizeIs(2));
+  EXPECT_THAT(result.warnings, ::testing::Contains(::testing::HasSubstr(
+                                   "camera2 is left out: in no frame does it see a board together with another")));
+  EXPECT_EQ(std::ranges::count(result.set_aside, "its camera shares no frame with the others", &SetAside::reason),
+            std::ranges::count(world.problem.views, 2, &TargetView::camera));
+}
+
 TEST(Calibrate, TellsWhichCameraIsNotLinked) {
   SyntheticWorld world = synthetic_world(stereo(11));
   std::erase_if(world.problem.views, [](const TargetView& view) { return view.frame % 2 != view.camera; });
@@ -243,6 +260,33 @@ TEST(Calibrate, KeepsFixedParameters) {
   problem.rules = {{"camera0.k4", ParameterRule::Kind::kFixed, 0.0, 0.0}};
   const CalibrationResult result = calibrate(problem);
   EXPECT_EQ(result.calibration.cameras[0].camera.parameters[7], 0.0);
+}
+
+// A prior and the corners are two measurements of one number, whatever sigmas a detector states: the answer is their mean
+// by weight, as sure as both together.
+TEST(Calibrate, APriorCountsByItsOwnSigma) {
+  SyntheticOptions options;
+  options.noise_px = 0.3;
+  for (const double stated_px : {1.0, 0.05}) {
+    CalibrationProblem problem = synthetic_world(options).problem;
+    for (TargetView& view : problem.views) {
+      for (Observation& observation : view.observations) observation.sigma_px = stated_px;
+    }
+    const CalibrationResult free = calibrate(problem);
+    const double by_corners = free.calibration.cameras[0].camera.fx();
+    const double sigma = free.calibration.covariance.sigma("camera0.fx");
+    const double mean = by_corners + 2.0 * sigma, prior_sigma = 0.5 * sigma;
+    problem.rules = {{"camera0.fx", ParameterRule::Kind::kPrior, mean, prior_sigma}};
+    const CalibrationResult both = calibrate(problem);
+    // A fifth of the corners' weight and four fifths of the prior's; a hundredth for what is not linear.
+    EXPECT_NEAR(both.calibration.cameras[0].camera.fx(), 0.2 * by_corners + 0.8 * mean, 0.02 * sigma);
+    EXPECT_NEAR(both.calibration.covariance.sigma("camera0.fx"), std::sqrt(0.2) * sigma, 0.01 * sigma);
+    EXPECT_THAT(both.warnings, ::testing::IsEmpty());
+
+    problem.rules[0].value = by_corners + 20.0 * sigma;
+    EXPECT_THAT(calibrate(problem).warnings,
+                ::testing::Contains(::testing::HasSubstr("the prior on camera0.fx lies ")));
+  }
 }
 
 // A start is where the solve begins; nothing may be held at it, nor may it make the frames look untied.

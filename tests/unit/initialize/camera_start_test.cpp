@@ -172,7 +172,7 @@ std::string failure_of(const CalibrationProblem& problem) {
 TEST(CameraStart, TooFewViewsAreAnErrorThatCountsThem) {
   SyntheticOptions options;
   options.frames = 2;
-  EXPECT_THAT(failure_of(synthetic_world(options).problem), HasSubstr("only 2 of 2 views"));
+  EXPECT_THAT(failure_of(synthetic_world(options).problem), HasSubstr("there are only 2 views of the board"));
 }
 
 TEST(CameraStart, BoardsParallelToTheImageAreAnErrorForNarrowLenses) {

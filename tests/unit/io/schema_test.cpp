@@ -63,6 +63,34 @@ TEST(Schema, WrittenFilesConform) {
   EXPECT_THAT(schema("report").complaints(example_report()), IsEmpty());
 }
 
+// A key that a schema does not name is one that nobody can rely on.
+TEST(Schema, KnowsEveryKeyThatIsWritten) {
+  CalibrationFile calibration = full_calibration();
+  LaserPattern& pattern = *calibration.calibration.laser;
+  pattern.advice = LabelAdvice{};
+  pattern.advice->best_turn = TurnedPattern{0.1, 0.5};
+  pattern.advice->ambiguity.pairs = {{0, 2, 1.5}};
+  const Json written = Json::parse(text_from_calibration(calibration));
+  EXPECT_THAT(schema("calibration").unknown(written), IsEmpty());
+  EXPECT_THAT(schema("calibration").complaints(written), IsEmpty());
+  EXPECT_THAT(schema("observations").unknown(Json::parse(text_from_observations(small_observations()))), IsEmpty());
+
+  const CalibrationProblem problem = small_observations().problem;
+  CalibrationResult result = result_for(problem);
+  result.calibration.laser = pattern;
+  result.laser = LaserSummary{};
+  result.laser->parameters = {{"camera0.fx", 400.0, 401.0, 0.5}};
+  for (std::size_t v = 0; v < problem.views.size(); ++v) {
+    result.views[v].beam_of_dot.assign(problem.views[v].dots.size(), 0);
+    result.views[v].dot_fates.assign(problem.views[v].dots.size(), ObservationFate::kUsed);
+    result.views[v].dot_residuals_px.assign(problem.views[v].dots.size(), {0.1, 0.2});
+  }
+  const Json report = Json::parse(text_from_report(problem, result));
+  ASSERT_TRUE(report["views"][0].contains("dots") && report.contains("sigma_ratio_by_frame"));
+  EXPECT_THAT(schema("report").unknown(report), IsEmpty());
+  EXPECT_THAT(schema("report").complaints(report), IsEmpty());
+}
+
 TEST(Schema, FindsWhatIsWrong) {
   Json json = Json::parse(text_from_calibration(full_calibration()));
   json["cameras"][0].erase("width");

@@ -24,7 +24,28 @@ class SchemaWalker {
     return found;
   }
 
+  /// Keys that the schema does not speak of, where it names any; empty when it knows all that is written.
+  std::vector<std::string> unknown(const Json& value) const {
+    std::vector<std::string> found;
+    look(root_, value, "", found);
+    return found;
+  }
+
  private:
+  void look(const Json& schema, const Json& value, const std::string& path, std::vector<std::string>& found) const {
+    if (schema.contains("$ref")) {
+      return look(root_.at(Json::json_pointer(schema["$ref"].get<std::string>().substr(1))), value, path, found);
+    }
+    for (const auto& [key, part] : value.items()) {
+      const std::string here = path + "/" + key;
+      if (value.is_array() && schema.contains("items")) look(schema["items"], part, here, found);
+      if (!value.is_object() || !schema.contains("properties")) continue;
+      const bool known = schema["properties"].contains(key);
+      if (known) look(schema["properties"][key], part, here, found);
+      if (!known && !schema.contains("additionalProperties")) found.push_back(here);
+    }
+  }
+
   static bool is_type(const Json& value, const std::string& type) {
     return (type == "object" && value.is_object()) || (type == "array" && value.is_array()) ||
            (type == "string" && value.is_string()) || (type == "number" && value.is_number()) ||

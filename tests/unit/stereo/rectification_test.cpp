@@ -182,6 +182,12 @@ TEST(Rectify, SaysWhatIsWrongWithAPairThatCannotBeRectified) {
   EXPECT_THROW(rectify(left, right, {.projection = RectifiedProjection::kPinhole}), Error);  // too wide for a pinhole
   EXPECT_NO_THROW(
       rectify(left, right, {.projection = RectifiedProjection::kPinhole, .field_x_rad = 1.9, .field_y_rad = 1.5}));
+  try {
+    rectify(left, right, {.field_x_rad = 300 * M_PI / 180, .field_y_rad = 3.0});
+    FAIL() << "beyond the poles";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("300° along the baseline does not exist"), std::string::npos);
+  }
   right.camera_from_rig.translation = {0, 0, -0.1};
   EXPECT_THROW(rectify(left, right), Error);  // one behind the other
 }

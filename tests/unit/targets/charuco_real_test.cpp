@@ -89,6 +89,12 @@ TEST(RealCharuco, OfTheOtherPolarityDictionaryOrSizeNamesIt) {
   EXPECT_NE(other.hint.find("DICT_4X4_1000"), std::string::npos) << other.hint;
 
   board = lifecam_board();
+  board.marker_m = 0.6 * board.square_m;  // where 0.75 are right
+  const Detection small = detect(board, testing::grey_image(files.back()));
+  EXPECT_TRUE(small.observations.empty());
+  EXPECT_NE(small.hint.find("not 15.2 mm: measure both"), std::string::npos) << small.hint;
+
+  board = lifecam_board();
   board.columns = 7;
   const Detection narrow = detect(board, image);
   EXPECT_TRUE(narrow.observations.empty());

@@ -169,5 +169,19 @@ TEST(Drift, FindsALensThatWasTouched) {
   EXPECT_LT(std::abs(cy.change), 4 * cy.sigma);
 }
 
+// Eight frames cannot tell a lens that was touched from corners of a frame that err together: this is said instead.
+TEST(Findings, OfFewFramesClaimNoDriftButSayThatSigmasAreUntested) {
+  SyntheticOptions options = stereo();
+  options.cameras.resize(1);
+  for (const int frames : {8, 12}) {
+    options.frames = frames;
+    const CalibrationProblem problem = synthetic_world(options).problem;
+    const std::vector<Finding> found = verdict(problem, calibrate(problem), {}).findings;
+    const auto told = [&](const char* topic) { return std::ranges::count(found, topic, &Finding::topic); };
+    EXPECT_EQ(told("drift"), frames == 8 ? 0 : 1);
+    EXPECT_EQ(told("sigmas"), frames == 8 ? 1 : 0);
+  }
+}
+
 }  // namespace
 }  // namespace raybundle
