@@ -140,6 +140,7 @@ void fill_covariance(const CalibrationProblem& problem, const BundleState& state
   if (result.calibration.covariance_by_frame) {
     const auto warning = frame_scatter_warning(known.covariance, *result.calibration.covariance_by_frame,
                                                static_cast<int>(frames.size()));
+    result.scatter_warning = warning.value_or("");
     if (warning) result.warnings.push_back(*warning);
   }
   if (known.weak_parameters.empty()) return;

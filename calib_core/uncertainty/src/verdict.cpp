@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "figures.hpp"
 #include "findings.hpp"
@@ -170,20 +169,10 @@ std::vector<Judgement> of_missing_cameras(const Requirement& requirement, const 
   return missing;
 }
 
-// Whether a warning only says that the frames scatter, which the figures allow for.
-bool is_allowed_for(const std::string& warning, const CalibrationResult& result) {
-  const Calibration& calibration = result.calibration;
-  if (!calibration.covariance_by_frame) return false;
-  std::set<int> frames;
-  for (const BoardPose& pose : result.poses) frames.insert(pose.frame);
-  return warning == frame_scatter_warning(calibration.covariance, *calibration.covariance_by_frame,
-                                          static_cast<int>(frames.size()));
-}
-
 // What makes every sigma doubtful, whatever it says.
 std::string doubt(const CalibrationResult& result) {
   if (result.termination != Termination::kConverged) return "the solve did not converge";
-  const auto count = std::ranges::count_if(result.warnings, [&](const auto& w) { return !is_allowed_for(w, result); });
+  const auto count = std::ranges::count_if(result.warnings, [&](const auto& w) { return w != result.scatter_warning; });
   if (count == 1) return "there is a warning";
   return count == 0 ? std::string() : fmt::format("there are {} warnings", count);
 }

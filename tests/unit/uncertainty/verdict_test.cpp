@@ -62,6 +62,19 @@ TEST(Verdict, FailsWhatItCannotJudge) {
   EXPECT_EQ(verdict(problem, result, {}).grade, std::nullopt);
 }
 
+// Figures allow for frames that scatter; any other warning makes them doubtful.
+TEST(Verdict, DoubtsEveryWarningButThatOfScatteringFrames) {
+  SyntheticOptions options = stereo();
+  options.cameras.resize(1);
+  const CalibrationProblem problem = synthetic_world(options).problem;
+  CalibrationResult result = calibrate(problem);
+  ASSERT_TRUE(result.warnings.empty());
+  result.warnings = {"the corners of a frame err together"};
+  EXPECT_EQ(required(problem, result, "rms 10 px").grade, Grade::kMarginal);
+  result.scatter_warning = result.warnings.front();
+  EXPECT_EQ(required(problem, result, "rms 10 px").grade, Grade::kPass);
+}
+
 // Boards that never leave the middle leave the corners of the image empty, and extrapolation is not called good.
 TEST(Verdict, NamesThePartsOfTheImageWithoutCorners) {
   SyntheticOptions options = stereo();

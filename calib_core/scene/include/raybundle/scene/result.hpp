@@ -120,6 +120,7 @@ struct CalibrationResult {
   std::string gauge;                       ///< what fixes the frame and the scale, in words
   std::string outlier_rule;
   std::vector<std::string> warnings;
+  std::string scatter_warning;  ///< the one of them that says that frames scatter, which figures allow for; or empty
   std::vector<StageTime> stages;
 };
 

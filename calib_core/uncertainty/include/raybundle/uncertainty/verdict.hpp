@@ -35,7 +35,7 @@ struct Judgement {
 /// Something that is good to know of the data, whatever is required.
 struct Finding {
   std::string subject;  ///< camera, board, the rig or the data
-  std::string topic;    ///< image, angle, tilt, distance, parameters, drift, shutter, sync, repetition, sigmas, shape
+  std::string topic;    ///< lens, image, field, angle, square, tilt, ..., as docs/formats/gates.md explains them
   bool good = true;
   std::string text;    ///< one clause, with figures
   std::string advice;  ///< empty when it is good
