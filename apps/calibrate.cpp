@@ -30,7 +30,8 @@ void declare(CLI::App& verb, CalibrateFlags& flags) {
       ->type_name("NAME[=VALUE]")
       ->allow_extra_args(false);
   verb.add_option("--free", flags.free, "free a parameter again")->type_name("NAME")->allow_extra_args(false);
-  verb.add_option("--prior", flags.prior, "give a parameter a prior, as left.fx=500:5, its sigma in the parameter's own unit")
+  verb.add_option("--prior", flags.prior,
+                  "give a parameter a prior, as left.fx=500:5, its sigma in the parameter's own unit")
       ->type_name("NAME=MEAN:SIGMA")
       ->allow_extra_args(false);
   verb.add_flag("!--no-predicted-corners", job.predict_corners, "leave out corners that only a first solve predicts");

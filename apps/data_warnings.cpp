@@ -142,8 +142,7 @@ std::string unit_warning(const Target& target) {
   if (spacing >= kNarrowestSpacing_m && spacing <= kWidestSpacing_m) return {};
   return fmt::format(
       "the points of {} lie {:.6g} m apart: is the unit right (25mm in a word, 0.025 in square_m)? The baseline and "
-      "the "
-      "poses are wrong by the same factor as the board",
+      "the poses are wrong by the same factor as the board",
       target.name, spacing);
 }
 

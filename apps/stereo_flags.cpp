@@ -77,8 +77,7 @@ CameraPair camera_pair(const Calibration& calibration, const RectifyFlags& flags
 std::string rectification_text(const Rectification& pair) {
   std::string text = fmt::format(
       "rectified: {}, {}x{} px, {:.0f}° x {:.0f}°, baseline {:.2f} mm; it shows {:.1f} % of the left and {:.1f} % of "
-      "the "
-      "right field",
+      "the right field",
       rectified_projection_name(pair.camera.projection), pair.camera.size.width, pair.camera.size.height,
       pair.field_x_rad / kDegree, pair.field_y_rad / kDegree, 1e3 * pair.baseline_m, 100 * pair.kept_left,
       100 * pair.kept_right);

@@ -271,8 +271,7 @@ std::string hint_for(const cv::Mat& gray, const Grid& grid, const MarkerSearch& 
   if (search.markers.size() >= 3) {
     return fmt::format(
         "{} tags of family {} seen, but they do not stand as on a board of {} x {} tags from tag {}: check columns, "
-        "rows "
-        "and first_tag",
+        "rows and first_tag",
         search.markers.size(), board.family, board.columns, board.rows, board.first_tag);
   }
   if (search.unread.size() < 3) return {};

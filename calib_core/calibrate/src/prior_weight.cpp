@@ -66,8 +66,7 @@ std::vector<std::string> contradicted_priors(const CalibrationProblem& problem, 
       if (apart < kContradictSigmas) continue;
       warnings.push_back(
           fmt::format("the prior on {} lies {:.0f} sigmas, of both together, from what the corners say: one of them is "
-                      "wrong; check "
-                      "the prior's value and unit, or give it a larger sigma",
+                      "wrong; check the prior's value and unit, or give it a larger sigma",
                       parameter.name, apart));
     }
   }

@@ -36,7 +36,7 @@ void add_image_cells(const RigCamera& camera, CameraCoverage& coverage) {
           region_in_words(size, middle_of_cell(size, evidence.rows, evidence.columns, row, column));
       auto ninth = std::ranges::find(ninths, name, &Ninth::name);
       if (ninth == ninths.end()) ninth = ninths.insert(ninths.end(), Ninth{name});
-      const bool seen = evidence.corners[static_cast<std::size_t>(row * evidence.columns + column)] > 0;
+      const bool seen = evidence.corners[static_cast<std::size_t>(row) * evidence.columns + column] > 0;
       ++ninth->cells;
       ninth->covered += seen;
       covered += seen;
