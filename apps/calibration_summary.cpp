@@ -10,6 +10,8 @@
 
 #include "raybundle/camera/camera.hpp"
 #include "raybundle/geometry/quantile.hpp"
+#include "raybundle/scene/parameter_names.hpp"
+#include "raybundle/uncertainty/frame_covariance.hpp"
 #include "raybundle/uncertainty/verdict.hpp"
 #include "survey_text.hpp"
 #include "terminal.hpp"
@@ -37,28 +39,21 @@ std::string seen_text(const CalibrationProblem& problem, const CalibrationResult
 }
 
 double focal_sigma_by(const Covariance& covariance, const RigCamera& camera) {
-  const std::vector<std::string_view> names = parameter_names(camera.camera.model);
-  Eigen::VectorXd slopes = Eigen::VectorXd::Zero(std::ssize(covariance.names));
-  for (std::size_t k = 0; k < names.size(); ++k) {
-    const auto found = std::ranges::find(covariance.names, fmt::format("{}.{}", camera.name, names[k]));
-    if (found == covariance.names.end()) continue;
-    const auto index = static_cast<Eigen::Index>(k);
-    const double step = 1e-5 * std::max(1.0, std::abs(camera.camera.parameters[index]));
+  Eigen::VectorXd slopes(camera.camera.parameters.size());
+  for (Eigen::Index k = 0; k < slopes.size(); ++k) {
+    const double step = 1e-5 * std::max(1.0, std::abs(camera.camera.parameters[k]));
     Camera more = camera.camera, less = camera.camera;
-    more.parameters[index] += step;
-    less.parameters[index] -= step;
-    slopes[found - covariance.names.begin()] = (focal_on_axis_px(more) - focal_on_axis_px(less)) / (2.0 * step);
+    more.parameters[k] += step;
+    less.parameters[k] -= step;
+    slopes[k] = (focal_on_axis_px(more) - focal_on_axis_px(less)) / (2.0 * step);
   }
-  return std::sqrt(std::max(0.0, slopes.dot(covariance.matrix * slopes)));
+  return std::sqrt(std::max(0.0, slopes.dot(covariance.block(intrinsic_names(camera)) * slopes)));
 }
 
-// Pixels for each radian on the axis, which lenses of any model have: fx means something else in some. With its sigma,
-// by the noise of the corners or by how the frames scatter, whichever is larger.
+// Pixels for each radian on the axis, which lenses of any model have: fx means something else in some.
 std::string focal_text(const RigCamera& camera, const Calibration& calibration) {
-  double sigma = focal_sigma_by(calibration.covariance, camera);
-  if (const auto& by_frame = calibration.covariance_by_frame) {
-    sigma = std::max(sigma, focal_sigma_by(*by_frame, camera));
-  }
+  const double sigma =
+      larger_sigma(calibration, [&](const Covariance& known) { return focal_sigma_by(known, camera); });
   return fmt::format("{:.2f} ± {:.2f}", focal_on_axis_px(camera.camera), sigma);
 }
 

@@ -47,9 +47,7 @@ void bend_known_boards(const Calibration& calibration, HeldOut& held) {
             fmt::format("{} is given {:.6g} times as large as the board of the calibration: is the unit right?",
                         target.name, *scale));
       }
-      const BoardShape shape{*scale * known.shape.bend_x_m, *scale * known.shape.bend_y_m,
-                             *scale * known.shape.twist_m};
-      target = bent(target, shape);
+      target = bent(target, BoardShape::from_sags(*scale * known.shape.sags()));
       break;
     }
   }

@@ -50,6 +50,7 @@ CalibrationProblem with_priors_for(const CalibrationProblem& problem, double noi
 // variance of the solution.
 std::vector<std::string> contradicted_priors(const CalibrationProblem& problem, const BundleState& state,
                                              const CalibrationResult& result) {
+  if (!has_priors(problem)) return {};
   std::vector<std::string> warnings;
   const double noise = corner_noise(problem, result);
   for (const ParameterBlock& block : parameter_blocks(problem)) {

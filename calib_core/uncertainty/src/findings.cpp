@@ -81,13 +81,11 @@ std::optional<Finding> square_finding(const RigCamera& camera, const Calibration
   const double fx = camera.camera.fx(), fy = camera.camera.fy(), stretch = fx / fy - 1.0;
   const Eigen::RowVector2d by_focals(1.0 / fy, -fx / (fy * fy));
   const std::vector<std::string> focals{camera.name + ".fx", camera.name + ".fy"};
-  double variance = by_focals * calibration.covariance.block(focals) * by_focals.transpose();
-  if (calibration.covariance_by_frame) {
-    variance =
-        std::max<double>(variance, by_focals * calibration.covariance_by_frame->block(focals) * by_focals.transpose());
-  }
-  if (!(variance > 0.0)) return std::nullopt;
-  const double sigmas = std::abs(stretch) / std::sqrt(variance);
+  const double sigma = larger_sigma(calibration, [&](const Covariance& known) {
+    return std::sqrt(std::max(0.0, (by_focals * known.block(focals) * by_focals.transpose()).value()));
+  });
+  if (!(sigma > 0.0)) return std::nullopt;
+  const double sigmas = std::abs(stretch) / sigma;
   const bool good = std::abs(stretch) < kSquare || sigmas < kStretchSigmas;
   return Finding{camera.name, "square", good,
                  fmt::format("fx is {:.2f} % {} than fy, {:.1f} sigmas", 100 * std::abs(stretch),

@@ -89,6 +89,11 @@ std::vector<FrameScatter> frame_scatter(const Covariance& plain, const Covarianc
   return scatter;
 }
 
+double larger_sigma(const Calibration& calibration, const std::function<double(const Covariance&)>& sigma_by) {
+  const double sigma = sigma_by(calibration.covariance);
+  return calibration.covariance_by_frame ? std::max(sigma, sigma_by(*calibration.covariance_by_frame)) : sigma;
+}
+
 double material_ratio(int frames) { return std::max(1.3, 1.0 + 3.0 / std::sqrt(2.0 * frames)); }
 
 std::optional<std::string> frame_scatter_warning(const Covariance& plain, const Covariance& by_frame, int frames) {

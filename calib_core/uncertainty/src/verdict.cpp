@@ -180,9 +180,7 @@ std::string doubt(const CalibrationResult& result) {
 }  // namespace
 
 double baseline_sigma(const RigCamera& camera, const Calibration& calibration) {
-  const double sigma = baseline_sigma_by(calibration.covariance, camera);
-  if (!calibration.covariance_by_frame) return sigma;
-  return std::max(sigma, baseline_sigma_by(*calibration.covariance_by_frame, camera));
+  return larger_sigma(calibration, [&](const Covariance& known) { return baseline_sigma_by(known, camera); });
 }
 
 const char* grade_name(Grade grade) {

@@ -39,6 +39,14 @@ SyntheticOptions stereo(unsigned seed) {
   return options;
 }
 
+SyntheticOptions three_cameras(unsigned seed) {
+  SyntheticOptions options = stereo(seed);
+  SyntheticCamera third;
+  third.camera_from_rig = beside(-0.1, -0.1);
+  options.cameras.push_back(third);
+  return options;
+}
+
 std::vector<int> used_views(const CalibrationResult& result) {
   std::vector<int> used;
   for (const CameraSummary& camera : result.cameras) used.push_back(camera.views_used);
@@ -158,10 +166,7 @@ TEST(Calibrate, AHeldRigIsJudgedAndNotRefused) {
 
 // One camera with too few views is named and left out; the rest of the rig is calibrated.
 TEST(Calibrate, OneBadCameraDoesNotCostTheRig) {
-  SyntheticOptions options = stereo(9);
-  SyntheticCamera third;
-  third.camera_from_rig = beside(-0.1, -0.1);
-  options.cameras.push_back(third);
+  SyntheticOptions options = three_cameras(9);
   SyntheticWorld world = synthetic_world(options);
   int left = 1;
   std::erase_if(world.problem.views, [&](const TargetView& view) { return view.camera == 2 && left-- <= 0; });
@@ -174,11 +179,8 @@ TEST(Calibrate, OneBadCameraDoesNotCostTheRig) {
 
 // One camera whose images are of other moments is named and left out of the rig.
 TEST(Calibrate, OneCameraOutOfStepDoesNotCostTheRig) {
-  SyntheticOptions options = stereo(23);
+  SyntheticOptions options = three_cameras(23);
   options.noise_px = 0.2;
-  SyntheticCamera third;
-  third.camera_from_rig = beside(-0.1, -0.1);
-  options.cameras.push_back(third);
   SyntheticWorld world = synthetic_world(options);
   shift_frames(world.problem, 2, 0);
   const CalibrationResult result = calibrate(world.problem);
@@ -189,10 +191,7 @@ TEST(Calibrate, OneCameraOutOfStepDoesNotCostTheRig) {
 
 // A camera that never sees a board together with another one is calibrated well, but has no place: that is said.
 TEST(Calibrate, OneCameraWithFramesOfItsOwnIsNamedAsNotLinked) {
-  SyntheticOptions options = stereo(23);
-  SyntheticCamera third;
-  third.camera_from_rig = beside(-0.1, -0.1);
-  options.cameras.push_back(third);
+  SyntheticOptions options = three_cameras(23);
   SyntheticWorld world = synthetic_world(options);
   std::erase_if(world.problem.views,
                 [](const TargetView& view) { return (view.frame % 3 == 0) != (view.camera == 2); });
@@ -314,10 +313,7 @@ TEST(Calibrate, RoughStartChangesNothing) {
 
 // Extrinsics are given in the frame of the first camera; when that one drops out, the next one's frame takes its place.
 TEST(Calibrate, GivenExtrinsicsSurviveTheLossOfTheFirstCamera) {
-  SyntheticOptions options = stereo(17);
-  SyntheticCamera third;
-  third.camera_from_rig = beside(-0.1, -0.1);
-  options.cameras.push_back(third);
+  SyntheticOptions options = three_cameras(17);
   SyntheticWorld world = synthetic_world(options);
   for (std::size_t c = 0; c < 3; ++c) world.problem.cameras[c].camera_from_rig = world.camera_from_rig[c];
   world.problem.rules = {{"*.camera_from_rig", ParameterRule::Kind::kFixed, {}, 0.0}};

@@ -82,7 +82,7 @@ std::vector<Eigen::Vector3d> right_rays(const RandomRig& rig) {
   return rays;
 }
 
-bool bent(const BoardShape& shape) { return shape.bend_x_m != 0 || shape.bend_y_m != 0 || shape.twist_m != 0; }
+bool bent(const BoardShape& shape) { return shape.sags() != Eigen::Vector3d::Zero(); }
 
 /// Whether a view's right corners lie on one line of the board, which leaves its pose open.
 bool on_one_line(const RandomRig& rig, std::size_t v) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,6 +30,11 @@ inline constexpr int kFewestFrames = 10;
 std::optional<Covariance> covariance_by_frame(const ReducedInformation& all,
                                               const std::vector<FrameInformation>& frames,
                                               const std::optional<Eigen::MatrixXd>& repeated = {});
+
+/// A sigma by the noise of the corners or by how the frames scatter, whichever is larger.
+///
+/// @param sigma_by  the sigma that one covariance gives
+double larger_sigma(const Calibration& calibration, const std::function<double(const Covariance&)>& sigma_by);
 
 /// A parameter that the frames disagree about by more than its sigma says.
 struct FrameScatter {
