@@ -96,6 +96,16 @@ void damp(Matrix& matrix, double lambda) {
   matrix.diagonal().array() += lambda * matrix.diagonal().array() + floor;
 }
 
+/// Leaves no step to parameters that keep their value.
+void hold(const std::vector<int>& held, LensMatrix& normal, LensVector& right) {
+  for (const int i : held) {
+    normal.row(i).setZero();
+    normal.col(i).setZero();
+    normal(i, i) = 1.0;
+    right[i] = 0.0;
+  }
+}
+
 struct Step {
   LensVector lens;
   std::vector<Vector6> poses;
@@ -146,6 +156,7 @@ bool solve_step(const std::vector<ViewEquations>& equations, const LensBundleOpt
     step.decrease = 0.0;
     return solve_poses(equations, factors, step);
   }
+  hold(options.held, normal, right);
   const LensVector scale = normal.diagonal().cwiseMax(1e-30).cwiseSqrt().cwiseInverse();
   const LensMatrix scaled = scale.asDiagonal() * normal * scale.asDiagonal();
   step.lens = scale.cwiseProduct(LensVector(scaled.ldlt().solve(scale.cwiseProduct(right))));

@@ -18,6 +18,7 @@ struct LensBundleOptions {
   LensVector prior_mean;          ///< empty: no priors
   LensVector prior_weight;        ///< 1 / sigma of each parameter in units of 1 px of residual; 0: free
   double aspect_weight = 0.0;     ///< 1 / sigma of fy / fx - 1
+  std::vector<int> held;          ///< indices of parameters that keep their value
 };
 
 struct LensBundleSummary {

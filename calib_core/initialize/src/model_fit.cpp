@@ -14,7 +14,6 @@ namespace {
 
 constexpr double kGoodFitPx = 0.3;     ///< the polish on corners does the rest
 constexpr std::size_t kSamples = 150;  ///< rays that a fit is made on
-constexpr double kHeldWeight = 1e9;    ///< of a prior that holds a parameter where it is
 
 constexpr std::array kTimesOwnShape{0.5, 0.75, 1.33};  ///< where fits start that look for others than a known one
 
@@ -87,16 +86,12 @@ LensVector fit_from(ModelId model, const LensFunctions& lens, const PointsInView
   double scale_px = 100.0;
   for (; scale_px > 1.0; scale_px *= 0.3) {
     LensBundleOptions options = model_options(model, parameters, scale_px);
-    for (const int zero : zeros) {
-      options.prior_mean[zero] = 0.0;
-      options.prior_weight[zero] = kHeldWeight;
-    }
+    options.held = zeros;
     options.max_iterations = 15;
     options.poses_fixed = true;
     const double cost = refine_lens(lens, {samples}, options, parameters, here).cost;
     if (cost < kGoodFitPx * kGoodFitPx) break;  // of all samples together: no smaller scale would change anything
   }
-  for (const int zero : zeros) parameters[zero] = 0.0;
   return parameters;
 }
 
