@@ -22,8 +22,9 @@ using Export = std::function<bool(const ExportRequest&)>;
 /// Each declares its own flags.
 Export add_table_export(CLI::App& verb);
 Export add_rectification_export(CLI::App& verb);
+Export add_foreign_export(CLI::App& verb);
 
 /// The one list of what `export` can write.
-inline constexpr Export (*kExports[])(CLI::App&) = {add_table_export, add_rectification_export};
+inline constexpr Export (*kExports[])(CLI::App&) = {add_foreign_export, add_table_export, add_rectification_export};
 
 }  // namespace raybundle::apps

@@ -109,6 +109,7 @@ Export add_rectification_export(CLI::App& verb) {
                             ->type_name("DIR");
   declare_rectify_flags(verb, flags->rectify);
   for (CLI::Option* option : flags->rectify.options) option->needs(folder);
+  for (const char* of_others : {"--output", "--camera"}) folder->excludes(verb.get_option(of_others));
   return [flags](const ExportRequest& request) { return write(request, *flags); };
 }
 

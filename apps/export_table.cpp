@@ -75,9 +75,9 @@ Export add_table_export(CLI::App& verb) {
   auto flags = std::make_shared<TableFlags>();
   CLI::Option* runtime =
       verb.add_option("--runtime", flags->runtime, "table for a device")->check(CLI::IsMember({"structured-light"}));
+  runtime->excludes(verb.get_option("--to"));
   declare_sensor_flags(verb, flags->sensor);
   for (CLI::Option* option : flags->sensor.options) option->needs(runtime);
-  for (const char* name : {"--output", "--camera"}) verb.get_option(name)->needs(runtime);
   return [flags](const ExportRequest& request) { return run(*flags, request); };
 }
 

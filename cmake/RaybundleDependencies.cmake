@@ -16,6 +16,7 @@ find_package(GeographicLib REQUIRED)
 if("core" IN_LIST Raybundle_WANTED)  # calib_core
   find_package(fmt REQUIRED)
   find_package(nlohmann_json REQUIRED)
+  find_package(yaml-cpp REQUIRED)
   find_package(OpenSSL 3 REQUIRED COMPONENTS Crypto)  # SHA-256
   find_package(Mrcal)  # optional: a second opinion on calibrations
 endif()

@@ -15,7 +15,7 @@ struct Pinhole {
   static constexpr std::array<double, 0> kStartShape{};
   static constexpr std::array kExamples{ExampleShape<0>{{}, 1.2}};
   static constexpr std::array kForeignNames{
-      ForeignName{"opencv", "pinhole"},      ForeignName{"mrcal", "LENSMODEL_PINHOLE"},
+      ForeignName{"opencv", "plumb_bob"},    ForeignName{"mrcal", "LENSMODEL_PINHOLE"},
       ForeignName{"kalibr", "pinhole-none"}, ForeignName{"ros", "plumb_bob"},
       ForeignName{"colmap", "PINHOLE"},      ForeignName{"basalt", "pinhole"}};
 

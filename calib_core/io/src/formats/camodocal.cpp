@@ -1,0 +1,136 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+
+// CamOdoCal's YAML for each camera, which VINS-Fusion reads too, and for a rig the places that VINS-Fusion's own file
+// wants. Sources: camodocal camera_models/*Camera.cc; VINS-Fusion's body_T_camN maps points of a camera into the body,
+// here the first camera. KANNALA_BRANDT counts its coefficients from k2.
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+
+#include "foreign_lens.hpp"
+#include "format_list.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/scene/csv.hpp"
+#include "yaml_node.hpp"
+
+namespace raybundle {
+namespace {
+
+/// A part of the file: `keys` are theirs for as many of a lens's values.
+struct Section {
+  const char* name;
+  std::vector<const char*> keys;
+};
+
+// In the order of the lens's places.
+std::vector<Section> sections_of(std::string_view lens) {
+  const Section distortion{"distortion_parameters", {"k1", "k2", "p1", "p2"}};
+  if (lens == "PINHOLE") return {distortion, {"projection_parameters", {"fx", "fy", "cx", "cy"}}};
+  if (lens == "KANNALA_BRANDT") return {{"projection_parameters", {"k2", "k3", "k4", "k5", "mu", "mv", "u0", "v0"}}};
+  return {{"mirror_parameters", {"xi"}}, distortion, {"projection_parameters", {"gamma1", "gamma2", "u0", "v0"}}};
+}
+
+std::string camera_text(const ForeignLens& lens, const RigCamera& camera) {
+  std::string text = fmt::format("%YAML:1.0\n---\nmodel_type: {}\ncamera_name: {}\nimage_width: {}\nimage_height: {}\n",
+                                 lens.name, quoted(camera.name), camera.camera.size.width, camera.camera.size.height);
+  const std::vector<double> values = values_of(lens, camera.camera);
+  auto value = values.begin();
+  for (const Section& section : sections_of(lens.name)) {
+    text += fmt::format("{}:\n", section.name);
+    for (const char* key : section.keys) text += fmt::format("   {}: {}\n", key, real_text(*value++));
+  }
+  return text;
+}
+
+std::string places_text(const std::vector<RigCamera>& rig) {
+  std::string text = "%YAML:1.0\n---\n";
+  for (std::size_t i = 0; i < rig.size(); ++i) {
+    const Rigid3 first_from_camera = rig[0].camera_from_rig * rig[i].camera_from_rig.inverse();
+    Eigen::Matrix<double, 4, 4, Eigen::RowMajor> matrix = Eigen::Matrix4d::Identity();
+    matrix.topLeftCorner<3, 3>() = first_from_camera.rotation.toRotationMatrix();
+    matrix.topRightCorner<3, 1>() = first_from_camera.translation;
+    text += fmt::format("body_T_cam{}: !!opencv-matrix\n   rows: 4\n   cols: 4\n   dt: d\n   data: {}\n", i,
+                        list_text({matrix.data(), matrix.data() + 16}));
+  }
+  return text;
+}
+
+std::vector<NamedText> write(const ForeignFormat& format, const std::vector<RigCamera>& rig) {
+  std::vector<NamedText> files;
+  for (const RigCamera& camera : rig) {
+    files.push_back({camera.name + ".yaml", camera_text(*lens_for(format, camera.camera), camera)});
+  }
+  if (rig.size() > 1) files.push_back({"extrinsics.yaml", places_text(rig)});
+  return files;
+}
+
+RigCamera camera_from(const ForeignFormat& format, const NamedText& file) {
+  const YamlNode root = YamlNode::parse(file);
+  const YamlNode model = root.at("model_type");
+  const ForeignLens* lens = lens_named(format, model.text(), 0);
+  if (lens == nullptr) model.fail("is " + in_quotes(model.text()) + "; known: " + known_lenses(format));
+  std::vector<double> values;
+  for (const Section& section : sections_of(lens->name)) {
+    const YamlNode node = root.at(section.name);
+    for (const char* key : section.keys) values.push_back(node.at(key).number());
+  }
+  const ImageSize size = image_size_from(root.at("image_width"), root.at("image_height"));
+  const auto [camera, fault] = camera_from_values(*lens, size, values);
+  if (!fault.empty()) root.at("projection_parameters").fail(fault);
+  const auto name = root.find("camera_name");
+  return {name ? name->text() : numbered_camera(0), camera, Rigid3{}};
+}
+
+bool is_places(const NamedText& file) { return file.text.find("body_T_cam") != std::string::npos; }
+
+// The places of as many cameras as there are.
+void read_places(const NamedText& file, std::vector<RigCamera>& rig) {
+  const YamlNode root = YamlNode::parse(file);
+  for (std::size_t i = 0; i < rig.size(); ++i) {
+    const YamlNode node = root.at(fmt::format("body_T_cam{}", i));
+    const std::vector<double> data = node.at("data").numbers(16);
+    const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> matrix(data.data());
+    rig[i].camera_from_rig = rigid3_from(node, matrix.topLeftCorner<3, 3>(), matrix.topRightCorner<3, 1>()).inverse();
+  }
+}
+
+std::vector<RigCamera> read(const ForeignFormat& format, std::span<const NamedText> files) {
+  std::vector<RigCamera> rig;
+  for (const NamedText& file : files) {
+    if (!is_places(file)) rig.push_back(camera_from(format, file));
+  }
+  const auto places = std::ranges::find_if(files, is_places);
+  if (rig.empty()) throw Error(ErrorKind::kBadInput, "has no camera; name the files of the cameras too", files[0].name);
+  if (places != files.end()) {
+    read_places(*places, rig);
+  } else if (rig.size() > 1) {
+    throw Error(ErrorKind::kBadInput, "does not say where a camera stands; name a file with body_T_cam0, ... too",
+                files[0].name);
+  }
+  return rig;
+}
+
+bool recognises(std::string_view text) {
+  return text.find("model_type:") != text.npos || text.find("body_T_cam") != text.npos;
+}
+
+}  // namespace
+
+ForeignFormat camodocal_format() {
+  return {.name = "camodocal",
+          .what = "YAML of CamOdoCal and VINS-Fusion",
+          .file = "",
+          .holds_extrinsics = true,
+          .lenses = {foreign_lens("PINHOLE", "brown_conrady", "k1 k2 p1 p2 fx fy cx cy"),
+                     foreign_lens("PINHOLE", "pinhole", "0 0 0 0 fx fy cx cy"),
+                     foreign_lens("KANNALA_BRANDT", "kannala_brandt", "k1 k2 k3 k4 fx fy cx cy"),
+                     foreign_lens("MEI", "unified", "xi k1 k2 p1 p2 fx fy cx cy")},
+          .recognises = recognises,
+          .write = write,
+          .read = read};
+}
+
+}  // namespace raybundle

@@ -1,0 +1,168 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+
+// COLMAP: cameras.txt of a text model, and for a rig rig_config.json of its rig_configurator, with a folder of images
+// for each camera. Sources: colmap doc/format.rst, doc/rigs.rst, sensor/models.h. The centre of the top-left pixel is
+// (0.5, 0.5) there; quaternions begin with w.
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <sstream>
+
+#include "../json_node.hpp"
+#include "../json_text.hpp"
+#include "foreign_lens.hpp"
+#include "format_list.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/scene/csv.hpp"
+#include "raybundle/scene/number.hpp"
+
+namespace raybundle {
+namespace {
+
+constexpr const char* kCameras = "cameras.txt";
+constexpr const char* kRig = "rig_config.json";
+constexpr double kHalfPixel = 0.5;
+constexpr int kMaxImageSide = 1'000'000;  // [px]; beyond that a width is a mistake
+
+Camera shifted(Camera camera, double by_px) {
+  camera.parameters.segment<2>(2).array() += by_px;
+  return camera;
+}
+
+std::string prefix_of(const std::string& camera) { return camera + "/"; }
+
+std::vector<NamedText> write(const ForeignFormat& format, const std::vector<RigCamera>& rig) {
+  std::string text = "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n";
+  OrderedJson cameras = OrderedJson::array();
+  for (std::size_t i = 0; i < rig.size(); ++i) {
+    const Camera& camera = rig[i].camera;
+    const ForeignLens& lens = *lens_for(format, camera);
+    const std::vector<double> values = values_of(lens, shifted(camera, kHalfPixel));
+    text += fmt::format("{} {} {} {} {}\n", i + 1, lens.name, camera.size.width, camera.size.height,
+                        fmt::join(values, " "));
+    OrderedJson entry{{"image_prefix", prefix_of(rig[i].name)}};
+    if (i == 0) {
+      entry["ref_sensor"] = true;
+    } else {
+      const Rigid3 place = rig[i].camera_from_rig * rig[0].camera_from_rig.inverse();
+      const Eigen::Quaterniond& q = place.rotation;
+      entry["cam_from_rig_rotation"] = {q.w(), q.x(), q.y(), q.z()};
+      entry["cam_from_rig_translation"] = json_from_vector(place.translation);
+    }
+    entry["camera_model_name"] = lens.name;
+    entry["camera_params"] = values;
+    cameras.push_back(entry);
+  }
+  std::vector<NamedText> files{{kCameras, text}};
+  if (rig.size() > 1) files.push_back({kRig, pretty_text(OrderedJson::array({{{"cameras", cameras}}}))});
+  return files;
+}
+
+// CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]
+Camera camera_from(const ForeignFormat& format, const std::string& line, const std::string& where) {
+  const auto fail = [&](const std::string& what) { throw Error(ErrorKind::kBadInput, what + "; correct it", where); };
+  std::istringstream words(line);
+  std::string id, model, word;
+  words >> id >> model;
+  std::vector<double> numbers;
+  while (words >> word) {
+    const auto number = number_from<double>(word);
+    if (!number) fail(in_quotes(word) + " is no number");
+    numbers.push_back(*number);
+  }
+  const bool sized = numbers.size() > 2 && std::all_of(numbers.begin(), numbers.begin() + 2, [](double side) {
+                       return side >= 1 && side <= kMaxImageSide && side == static_cast<int>(side);
+                     });
+  if (!sized) fail("has to be CAMERA_ID, MODEL, WIDTH, HEIGHT and parameters");
+  const ForeignLens* lens = lens_named(format, model, numbers.size() - 2);
+  if (lens == nullptr) fail("the model is " + in_quotes(model) + "; known: " + known_lenses(format));
+  const auto [camera, fault] = camera_from_values(*lens, {static_cast<int>(numbers[0]), static_cast<int>(numbers[1])},
+                                                  {numbers.begin() + 2, numbers.end()});
+  if (!fault.empty()) fail("the camera, " + model + ", " + fault);
+  return shifted(camera, -kHalfPixel);
+}
+
+void read_cameras(const ForeignFormat& format, const NamedText& file, std::vector<RigCamera>& rig) {
+  std::istringstream lines(file.text);
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    if (line.find_first_not_of(" \t\r") == line.npos || line.front() == '#') continue;
+    rig.push_back(
+        {numbered_camera(rig.size()), camera_from(format, line, file.name + ":" + std::to_string(number)), Rigid3{}});
+  }
+}
+
+Rigid3 place_from(const JsonNode& node) {
+  const JsonNode rotation = node.at("cam_from_rig_rotation");
+  const Eigen::Vector4d q = rotation.vector<4>();
+  if (!(std::abs(q.norm() - 1.0) < 1e-3)) rotation.fail("is not a unit quaternion; correct it");
+  return {Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(), node.at("cam_from_rig_translation").vector<3>()};
+}
+
+// Names and places of the cameras that cameras.txt has in the same order.
+void read_rig(const NamedText& file, std::vector<RigCamera>& rig) {
+  const JsonDocument document = parse_json(file.text, file.name);
+  const JsonNode root(document);
+  root.expect_array_size(1);
+  const JsonNode only = root[0];
+  const JsonNode cameras = only.at("cameras");
+  cameras.expect_array_size(rig.size());
+  for (std::size_t i = 0; i < rig.size(); ++i) {
+    const JsonNode node = cameras[i];
+    std::string name = node.at("image_prefix").name();
+    while (name.ends_with('/')) name.pop_back();
+    if (!name.empty()) rig[i].name = name.substr(name.find_last_of('/') + 1);
+    if (!node.find("ref_sensor")) rig[i].camera_from_rig = place_from(node);
+  }
+}
+
+std::vector<RigCamera> read(const ForeignFormat& format, std::span<const NamedText> files) {
+  const auto is_rig = [](const NamedText& file) { return file.text.find("\"cameras\"") != std::string::npos; };
+  std::vector<RigCamera> rig;
+  for (const NamedText& file : files) {
+    if (!is_rig(file)) read_cameras(format, file, rig);
+  }
+  if (rig.empty()) {
+    throw Error(ErrorKind::kBadInput, std::string("has no cameras; name ") + kCameras + " too", files[0].name);
+  }
+  const auto placed = std::ranges::find_if(files, is_rig);
+  if (placed != files.end()) {
+    read_rig(*placed, rig);
+  } else if (rig.size() > 1) {
+    throw Error(ErrorKind::kBadInput,
+                std::string("has several cameras, but not where they stand; name ") + kRig + " too", files[0].name);
+  }
+  return rig;
+}
+
+bool recognises(std::string_view text) {
+  return text.find("image_prefix") != text.npos || text.find("CAMERA_ID, MODEL") != text.npos;
+}
+
+}  // namespace
+
+ForeignFormat colmap_format() {
+  return {.name = "colmap",
+          .what = "cameras.txt and rig_config.json of COLMAP",
+          .file = "",
+          .holds_extrinsics = true,
+          .lenses = {foreign_lens("PINHOLE", "pinhole", "fx fy cx cy"),
+                     foreign_lens("OPENCV", "brown_conrady", "fx fy cx cy k1 k2 p1 p2"),
+                     foreign_lens("FULL_OPENCV", "rational", "fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6"),
+                     foreign_lens("FULL_OPENCV", "brown_conrady", "fx fy cx cy k1 k2 p1 p2 k3 0 0 0"),
+                     foreign_lens("OPENCV_FISHEYE", "kannala_brandt", "fx fy cx cy k1 k2 k3 k4"),
+                     foreign_lens("FOV", "field_of_view", "fx fy cx cy w"),
+                     foreign_lens("EUCM", "extended_unified", "fx fy cx cy alpha beta"),
+                     foreign_lens("SIMPLE_PINHOLE", "pinhole", "f cx cy"),
+                     foreign_lens("SIMPLE_RADIAL", "brown_conrady", "f cx cy k1"),
+                     foreign_lens("RADIAL", "brown_conrady", "f cx cy k1 k2"),
+                     foreign_lens("SIMPLE_RADIAL_FISHEYE", "kannala_brandt", "f cx cy k1"),
+                     foreign_lens("RADIAL_FISHEYE", "kannala_brandt", "f cx cy k1 k2")},
+          .recognises = recognises,
+          .write = write,
+          .read = read};
+}
+
+}  // namespace raybundle

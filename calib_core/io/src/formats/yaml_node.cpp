@@ -1,0 +1,130 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "yaml_node.hpp"
+
+#include <cmath>
+
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/rotation.hpp"
+#include "raybundle/scene/csv.hpp"
+#include "raybundle/scene/number.hpp"
+
+namespace raybundle {
+namespace {
+
+constexpr int kMaxImageSide = 1'000'000;  // [px]; beyond that a width is a mistake
+constexpr const char* kOpenCvHead = "%YAML:1.0";
+
+std::string place(const std::string& file, const YAML::Mark& mark) {
+  return mark.is_null() ? file : file + ":" + std::to_string(mark.line + 1);
+}
+
+}  // namespace
+
+YamlNode YamlNode::parse(const NamedText& file) {
+  std::string text = file.text;
+  if (text.starts_with(kOpenCvHead)) text.front() = '#';
+  try {
+    const YamlNode root(YAML::Load(text), file.name, "");
+    if (!root.node_.IsMap()) throw Error(ErrorKind::kBadInput, "has no keys; is this the right file?", file.name);
+    return root;
+  } catch (const YAML::Exception& error) {
+    throw Error(ErrorKind::kBadInput, "this is not valid YAML: " + error.msg + "; correct it or write the file again",
+                place(file.name, error.mark));
+  }
+}
+
+YamlNode YamlNode::at(const std::string& key) const {
+  if (const auto found = find(key)) return *found;
+  YamlNode(node_, file_, path_.empty() ? key : path_ + "." + key).fail("is missing; add it");
+}
+
+std::optional<YamlNode> YamlNode::find(const std::string& key) const {
+  if (!node_.IsMap()) fail("is no map of keys; correct it");
+  const YAML::Node& node = node_;  // only a constant node is not given the key that is asked for
+  const YAML::Node found = node[key];
+  if (!found.IsDefined()) return std::nullopt;
+  return YamlNode(found, file_, path_.empty() ? key : path_ + "." + key);
+}
+
+std::optional<YamlNode> YamlNode::find_first(std::initializer_list<const char*> keys) const {
+  for (const char* key : keys) {
+    if (const auto found = find(key)) return found;
+  }
+  return std::nullopt;
+}
+
+double YamlNode::number() const {
+  const auto value = node_.IsScalar() ? number_from<double>(node_.Scalar()) : std::nullopt;
+  if (!value || !std::isfinite(*value)) fail("is no number; correct it");
+  return *value;
+}
+
+int YamlNode::whole_number(int low, int high) const {
+  const double value = number();
+  if (value != std::floor(value) || value < low || value > high) {
+    fail("must be a whole number from " + std::to_string(low) + " to " + std::to_string(high));
+  }
+  return static_cast<int>(value);
+}
+
+std::string YamlNode::text() const {
+  if (!node_.IsScalar()) fail("is no text; correct it");
+  return node_.Scalar();
+}
+
+std::vector<double> YamlNode::numbers() const {
+  if (!node_.IsSequence()) fail("is no list of numbers; correct it");
+  std::vector<double> values;
+  for (const YAML::Node& entry : node_) values.push_back(YamlNode(entry, file_, path_).number());
+  return values;
+}
+
+std::vector<double> YamlNode::numbers(std::size_t size) const {
+  std::vector<double> values = numbers();
+  if (values.size() == size) return values;
+  fail("has " + std::to_string(values.size()) + " numbers where " + std::to_string(size) + " are expected; correct it");
+}
+
+std::vector<std::vector<double>> YamlNode::rows(std::size_t size) const {
+  if (!node_.IsSequence() || node_.size() != size) fail("must have " + std::to_string(size) + " rows; correct it");
+  std::vector<std::vector<double>> rows;
+  for (const YAML::Node& entry : node_) rows.push_back(YamlNode(entry, file_, path_).numbers(size));
+  return rows;
+}
+
+std::vector<std::string> YamlNode::keys() const {
+  if (!node_.IsMap()) fail("is no map of keys; correct it");
+  std::vector<std::string> keys;
+  for (const auto& item : node_) keys.push_back(item.first.IsScalar() ? item.first.Scalar() : "");
+  return keys;
+}
+
+void YamlNode::fail(const std::string& message) const {
+  throw Error(ErrorKind::kBadInput, (path_.empty() ? "the file" : path_) + " " + message, place(file_, node_.Mark()));
+}
+
+ImageSize image_size_from(const YamlNode& width, const YamlNode& height) {
+  return {width.whole_number(1, kMaxImageSide), height.whole_number(1, kMaxImageSide)};
+}
+
+ImageSize image_size_from(const YamlNode& width_and_height) {
+  const std::vector<double> size = width_and_height.numbers(2);
+  for (const double side : size) {
+    if (side != std::floor(side) || side < 1 || side > kMaxImageSide) {
+      width_and_height.fail("must be a width and a height in pixels");
+    }
+  }
+  return {static_cast<int>(size[0]), static_cast<int>(size[1])};
+}
+
+Rigid3 rigid3_from(const YamlNode& node, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation) {
+  constexpr double kRounding = 1e-3;  // of a matrix that was written with four digits
+  if (!((rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).norm() < kRounding) ||
+      !(rotation.determinant() > 0)) {
+    node.fail("is not a rotation; correct it");
+  }
+  return {Eigen::Quaterniond(nearest_rotation(rotation)).normalized(), translation};
+}
+
+}  // namespace raybundle
