@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "raybundle/geometry/rotation.hpp"
 #include "raybundle/scene/parameter_names.hpp"
 
 namespace raybundle {
@@ -16,93 +17,92 @@ namespace {
 
 constexpr int kNodes = 13;  // of the grid, along each side
 
-// A parameter of one of the two cameras: an intrinsic, or a component of perturbed()'s motion.
-struct Parameter {
-  bool left = false;
-  std::optional<Eigen::Index> intrinsic, motion;
-  double step = 0.0;  // for differences; 0: not estimated
-};
-
-// Those of both cameras, in the order of their names.
-struct Parameters {
-  std::vector<Parameter> list;
-  Eigen::MatrixXd covariance;
-};
-
-Parameters parameters_of(const Covariance& covariance, const RigCamera& left, const RigCamera& right) {
-  constexpr double kStep_sigmas = 0.1;
-  Parameters parameters;
+// Parameters of both cameras, in the order in which derivatives stand below.
+std::vector<std::string> names_of(const RigCamera& left, const RigCamera& right) {
   std::vector<std::string> names;
   for (const RigCamera* camera : {&left, &right}) {
     std::ranges::copy(intrinsic_names(*camera), std::back_inserter(names));
-    for (Eigen::Index i = 0; i < camera->camera.parameters.size(); ++i) {
-      parameters.list.push_back({.left = camera == &left, .intrinsic = i, .motion = {}});
-    }
     std::ranges::copy(extrinsic_names(*camera), std::back_inserter(names));
-    for (Eigen::Index i = 0; i < 6; ++i) {
-      parameters.list.push_back({.left = camera == &left, .intrinsic = {}, .motion = i});
-    }
   }
-  parameters.covariance = covariance.block(names);
-  for (Eigen::Index i = 0; i < std::ssize(names); ++i) {
-    parameters.list[static_cast<std::size_t>(i)].step =
-        kStep_sigmas * std::sqrt(std::max(parameters.covariance(i, i), 0.0));
-  }
-  return parameters;
+  return names;
 }
 
-// A camera with one parameter a step away.
-RigCamera moved(RigCamera camera, const Parameter& parameter) {
-  if (parameter.intrinsic) {
-    camera.camera.parameters[*parameter.intrinsic] += parameter.step;
-  } else {
-    const Eigen::Matrix<double, 6, 1> motion = parameter.step * Eigen::Matrix<double, 6, 1>::Unit(*parameter.motion);
-    camera.camera_from_rig = perturbed(camera.camera_from_rig, motion);
+double sigma_of(const Eigen::RowVectorXd& by_left, const Eigen::RowVectorXd& by_right,
+                const Eigen::MatrixXd& covariance) {
+  Eigen::RowVectorXd by_both(by_left.size() + by_right.size());
+  by_both << by_left, by_right;
+  return std::sqrt(std::max(0.0, (by_both * covariance * by_both.transpose()).value()));
+}
+
+// How the distance of two cameras changes with the parameters of the first: intrinsics, rotation as in perturbed(),
+// translation. Its centre is -Rᵀ t.
+Eigen::RowVectorXd baseline_by(const RigCamera& camera, const RigCamera& other) {
+  const Rigid3& place = camera.camera_from_rig;
+  const Eigen::Vector3d away = (place.inverse().translation - other.camera_from_rig.inverse().translation).normalized();
+  const Eigen::RowVector3d along = (place.rotation * away).transpose();  // in the camera
+  Eigen::RowVectorXd by = Eigen::RowVectorXd::Zero(camera.camera.parameters.size() + 6);
+  by.tail(6).head<3>() = -along * skew(place.translation);
+  by.tail(3) = -along;
+  return by;
+}
+
+// How a function of the ray that lands on a pixel changes with the parameters of its camera, in the same order: the ray
+// moves as the pixel stays. Nothing where the lens folds.
+std::optional<Eigen::RowVectorXd> by_parameters_of(const RigCamera& rig_camera, const Eigen::Vector3d& ray_in_camera,
+                                                   const Eigen::RowVector3d& by_ray) {
+  const Camera& camera = rig_camera.camera;
+  Eigen::Matrix<double, 3, 2> across;  // the ray
+  across.col(0) = ray_in_camera.unitOrthogonal();
+  across.col(1) = ray_in_camera.cross(across.col(0));
+  Eigen::RowVectorXd by = Eigen::RowVectorXd::Zero(camera.parameters.size() + 6);
+  with_model(camera.model, [&]<CameraModel M>() {
+    Eigen::Vector2d pixel;
+    Eigen::Matrix<double, 2, 3, Eigen::RowMajor> pixel_by_ray;
+    Eigen::Matrix<double, 2, kParameterCount<M>, Eigen::RowMajor> pixel_by_parameters;
+    if (!pixel_from_ray<M>(camera.parameters.data(), ray_in_camera, pixel, pixel_by_ray, pixel_by_parameters)) return;
+    const Eigen::Matrix2d pixel_by_across = pixel_by_ray * across;
+    by.head(camera.parameters.size()) = -by_ray * across * pixel_by_across.inverse() * pixel_by_parameters;
+  });
+  by.tail(6).head<3>() = by_ray * skew(ray_in_camera);  // the camera turns, and its rays with it
+  if (!by.allFinite()) return std::nullopt;
+  return by;
+}
+
+// How the column of the rectified image changes with a ray of a camera.
+std::optional<Eigen::RowVector3d> column_by_ray(const RectifiedCamera& rectified,
+                                                const Eigen::Quaterniond& rectified_from_camera,
+                                                const Eigen::Vector3d& ray_in_camera) {
+  constexpr double kStep = 1e-6;  // of central differences of a smooth function of a unit vector
+  Eigen::RowVector3d by_ray;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(i);
+    const auto before = rectified.pixel_from_ray(rectified_from_camera * (ray_in_camera - step));
+    const auto after = rectified.pixel_from_ray(rectified_from_camera * (ray_in_camera + step));
+    if (!before || !after) return std::nullopt;
+    by_ray[i] = (after->x() - before->x()) / (2.0 * kStep);
   }
-  return camera;
+  return by_ray;
 }
 
-// Sigma of what depends on the parameters.
-//
-// @param change  of it with one parameter's step
-template <typename Change>
-double sigma_of(const Parameters& parameters, const Change& change) {
-  Eigen::RowVectorXd by_parameters = Eigen::RowVectorXd::Zero(std::ssize(parameters.list));
-  for (Eigen::Index i = 0; i < by_parameters.size(); ++i) {
-    const Parameter& parameter = parameters.list[static_cast<std::size_t>(i)];
-    if (parameter.step > 0.0) by_parameters[i] = change(parameter) / parameter.step;
-  }
-  return std::sqrt(std::max(0.0, (by_parameters * parameters.covariance * by_parameters.transpose()).value()));
-}
-
-double baseline(const RigCamera& a, const RigCamera& b) {
-  return (a.camera_from_rig.inverse().translation - b.camera_from_rig.inverse().translation).norm();
-}
-
-// The column of the rectified image at which a camera, believed to be as given, sees its pixel.
-std::optional<double> column_of(const RectifiedCamera& rectified, const Eigen::Quaterniond& rectified_from_rig,
-                                const RigCamera& camera, const Eigen::Vector2d& pixel) {
-  const auto ray = ray_from_pixel(camera.camera, pixel);
-  if (!ray) return std::nullopt;
-  const auto at = rectified.pixel_from_ray(rectified_from_rig * (camera.camera_from_rig.rotation.conjugate() * *ray));
-  if (!at) return std::nullopt;
-  return at->x();
+// How the column at which a camera sees its pixel changes with its parameters.
+std::optional<Eigen::RowVectorXd> column_by(const RigCamera& camera, const Rectification& pair,
+                                            const Eigen::Vector3d& ray_in_rectified) {
+  const Eigen::Quaterniond rectified_from_camera =
+      pair.rig_from_rectified.rotation.conjugate() * camera.camera_from_rig.rotation.conjugate();
+  const Eigen::Vector3d ray_in_camera = (rectified_from_camera.conjugate() * ray_in_rectified).normalized();
+  if (!pixel_from_ray(camera.camera, ray_in_camera)) return std::nullopt;
+  const auto by_ray = column_by_ray(pair.camera, rectified_from_camera, ray_in_camera);
+  return by_ray ? by_parameters_of(camera, ray_in_camera, *by_ray) : std::nullopt;
 }
 
 // Sigma of the disparity at a pixel of the rectified image; nothing where one of the cameras sees nothing.
-std::optional<double> disparity_sigma(const Parameters& parameters, const RigCamera& left, const RigCamera& right,
+std::optional<double> disparity_sigma(const Eigen::MatrixXd& covariance, const RigCamera& left, const RigCamera& right,
                                       const Rectification& pair, const Eigen::Vector2d& rectified_pixel) {
   const auto ray = pair.camera.ray_from_pixel(rectified_pixel);
   if (!ray) return std::nullopt;
-  const auto left_pixel = pixel_from_ray(left.camera, pair.rectified_from_left.conjugate() * *ray);
-  const auto right_pixel = pixel_from_ray(right.camera, pair.rectified_from_right.conjugate() * *ray);
-  if (!left_pixel || !right_pixel) return std::nullopt;
-  const Eigen::Quaterniond rectified_from_rig = pair.rig_from_rectified.rotation.conjugate();
-  return sigma_of(parameters, [&](const Parameter& parameter) {
-    const auto at = column_of(pair.camera, rectified_from_rig, moved(parameter.left ? left : right, parameter),
-                              parameter.left ? *left_pixel : *right_pixel);
-    return at ? (parameter.left ? 1.0 : -1.0) * (*at - rectified_pixel.x()) : 0.0;
-  });
+  const auto by_left = column_by(left, pair, *ray), by_right = column_by(right, pair, *ray);
+  if (!by_left || !by_right) return std::nullopt;
+  return sigma_of(*by_left, -*by_right, covariance);
 }
 
 // At every pixel, from the nodes of a grid over the image.
@@ -126,21 +126,15 @@ std::vector<float> interpolated(const Eigen::MatrixXd& nodes, ImageSize size) {
 
 CalibrationSigma calibration_sigma(const Covariance& covariance, const RigCamera& left, const RigCamera& right,
                                    const Rectification& pair) {
-  const Parameters parameters = parameters_of(covariance, left, right);
+  const Eigen::MatrixXd of_both = covariance.block(names_of(left, right));
   const ImageSize size = pair.camera.size;
   CalibrationSigma sigma;
-  sigma.relative_baseline = sigma_of(parameters,
-                                     [&](const Parameter& parameter) {
-                                       const double changed = parameter.left ? baseline(moved(left, parameter), right)
-                                                                             : baseline(left, moved(right, parameter));
-                                       return changed - pair.baseline_m;
-                                     }) /
-                            pair.baseline_m;
+  sigma.relative_baseline = sigma_of(baseline_by(left, right), baseline_by(right, left), of_both) / pair.baseline_m;
   Eigen::MatrixXd nodes(kNodes, kNodes);
   for (int row = 0; row < kNodes; ++row) {
     for (int column = 0; column < kNodes; ++column) {
       const Eigen::Vector2d pixel(column * (size.width - 1.0) / (kNodes - 1), row * (size.height - 1.0) / (kNodes - 1));
-      nodes(row, column) = disparity_sigma(parameters, left, right, pair, pixel).value_or(-1.0);
+      nodes(row, column) = disparity_sigma(of_both, left, right, pair, pixel).value_or(-1.0);
     }
   }
   // Where one of the cameras sees nothing there is nothing to match; the largest stands in so that rims interpolate.

@@ -16,8 +16,8 @@ struct CalibrationSigma {
   std::vector<float> disparity_sigma_px;  ///< for each pixel of the rectified image, for points that are far away
 };
 
-/// Carries the joint covariance through the rectification: each parameter is moved, and the disparity that two fixed
-/// pixels then seem to have is compared. Zero for a calibration without covariance. Between the nodes of a grid the
+/// Carries the joint covariance through the rectification, to first order: how the disparity that two fixed pixels seem
+/// to have changes with each parameter. Zero for a calibration without covariance. Between the nodes of a grid the
 /// standard deviation is interpolated.
 CalibrationSigma calibration_sigma(const Covariance& covariance, const RigCamera& left, const RigCamera& right,
                                    const Rectification& pair);
