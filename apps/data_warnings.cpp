@@ -13,12 +13,14 @@
 #include <tuple>
 #include <utility>
 
+#include "raybundle/uncertainty/frame_covariance.hpp"
+#include "raybundle/uncertainty/verdict.hpp"
+
 namespace raybundle::apps {
 namespace {
 
 constexpr double kWidestSpacing_m = 1.0;      // boards are carried by hand
 constexpr double kNarrowestSpacing_m = 2e-4;  // and their points are told apart by eye
-constexpr int kFewViews = 8;
 
 // Median distance from a point to its nearest neighbour [m].
 double spacing_m(const Target& target) {
@@ -87,6 +89,27 @@ std::string exchanged_sides_warning(const Calibration& calibration) {
       -1e3 * right_in_left.x());
 }
 
+// Cameras that stand in the same place and look the same way, as no two can: images of one that were saved twice.
+std::vector<std::string> same_place_warnings(const Calibration& calibration) {
+  constexpr double kSigmas = 5.0;
+  constexpr double kSameDirection_rad = 2e-3;  // no two cameras are mounted so exactly
+  std::vector<std::string> warnings;
+  for (std::size_t a = 0; a < calibration.cameras.size(); ++a) {
+    for (std::size_t b = a + 1; b < calibration.cameras.size(); ++b) {
+      const RigCamera &first = calibration.cameras[a], &second = calibration.cameras[b];
+      const Rigid3 second_from_first = second.camera_from_rig * first.camera_from_rig.inverse();
+      const double away_m = second_from_first.translation.norm();
+      // Known to sigmas for cameras that are seen from the first one of the rig.
+      const double sigma_m = a == 0 ? baseline_sigma(second, calibration) : 0.0;
+      if (away_m > kSigmas * sigma_m || angle_between(second_from_first, Rigid3{}) > kSameDirection_rad) continue;
+      warnings.push_back(
+          fmt::format("{} and {} stand in the same place, {:.2f} mm apart: are the images of one camera given twice?",
+                      first.name, second.name, 1e3 * away_m));
+    }
+  }
+  return warnings;
+}
+
 // Frames that do not link two cameras as they are, but would if their images were exchanged.
 FramesOfCameras exchanged_frames(const CalibrationProblem& problem, const CalibrationResult& result) {
   constexpr double kPlainlyNearer = 0.35;  // each image was posed with the other camera's lens
@@ -135,6 +158,42 @@ std::vector<std::string> exchanged_frames_warnings(const CalibrationProblem& pro
   return warnings;
 }
 
+// Of few views every sigma may be several times too small: how frames disagree is what tests it.
+std::string few_views_warning(const ProblemCamera& camera, const CameraSummary& summary) {
+  const int views = summary.views_used;
+  if (views == 0 || views >= kFewestFrames) return {};
+  const int others = summary.views_total - views;
+  return fmt::format(
+      "camera {} stands on {} views only{}, too few to show what the lens does in the whole image: nothing tests the "
+      "model, and the sigmas may be several times too small; take 15 to 30, near and far, tilted, and into every corner",
+      camera.name, views, others > 0 ? fmt::format(" ({} others are set aside)", others) : "");
+}
+
+// Views that were set aside and reach where no other view of their camera does.
+std::vector<std::string> lonely_view_warnings(const CalibrationProblem& problem, const CalibrationResult& result) {
+  std::map<int, std::set<int>> frames;  // by camera
+  for (const SetAside& aside : result.set_aside) {
+    const TargetView& view = problem.views[aside.view];
+    const ProblemCamera& camera = problem.cameras[view.camera];
+    const auto found = std::ranges::find(result.calibration.cameras, camera.name, &RigCamera::name);
+    if (aside.scope != SetAside::Scope::kView || found == result.calibration.cameras.end() || !found->evidence)
+      continue;
+    const auto alone = std::ranges::count_if(view.observations, [&](const Observation& corner) {
+      return !found->evidence->covers(camera.size, corner.pixel);
+    });
+    if (2 * alone > std::ssize(view.observations)) frames[view.camera].insert(view.frame);
+  }
+  std::vector<std::string> warnings;
+  for (const auto& [camera, alone] : frames) {
+    warnings.push_back(fmt::format(
+        "{} of the views of {} that are set aside, such as frame {}, {} where no view in use does: either {} bad, or the "
+        "lens that fits the others is wrong there, and nothing tells which; take more images there",
+        alone.size(), problem.cameras[camera].name, problem.frames[*alone.begin()],
+        alone.size() == 1 ? "reaches" : "reach", alone.size() == 1 ? "it is" : "they are"));
+  }
+  return warnings;
+}
+
 }  // namespace
 
 std::string unit_warning(const Target& target) {
@@ -151,20 +210,19 @@ std::vector<std::string> data_warnings(const CalibrationProblem& problem, const 
   for (const Target& target : problem.targets) {
     if (const std::string warning = unit_warning(target); !warning.empty()) warnings.push_back(warning);
   }
-  std::ranges::copy(shared_image_warnings(problem), std::back_inserter(warnings));
+  std::vector<std::string> one_camera_twice = shared_image_warnings(problem);
+  if (one_camera_twice.empty()) one_camera_twice = same_place_warnings(result.calibration);
+  std::ranges::move(one_camera_twice, std::back_inserter(warnings));
   if (std::string warning = exchanged_sides_warning(result.calibration); !warning.empty()) {
     warnings.push_back(std::move(warning));
   }
   std::ranges::copy(exchanged_frames_warnings(problem, result), std::back_inserter(warnings));
   for (std::size_t c = 0; c < problem.cameras.size(); ++c) {
-    const int views = result.cameras[c].views_used;
-    if (views == 0 || views >= kFewViews) continue;
-    warnings.push_back(fmt::format(
-        "camera {} stands on {} views only, too few to show what the lens does in the whole image: nothing tests the "
-        "model, and the sigmas may be several times too small; take 15 to 30, near and far, tilted, and into every "
-        "corner",
-        problem.cameras[c].name, views));
+    if (std::string warning = few_views_warning(problem.cameras[c], result.cameras[c]); !warning.empty()) {
+      warnings.push_back(std::move(warning));
+    }
   }
+  std::ranges::copy(lonely_view_warnings(problem, result), std::back_inserter(warnings));
   return warnings;
 }
 

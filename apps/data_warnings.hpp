@@ -14,8 +14,9 @@ namespace raybundle::apps {
 std::string unit_warning(const Target& target);
 
 /// What a person should know of the data behind a result that nothing in the result itself can show: boards in the
-/// wrong unit, images of one camera that were given as another's, left and right that lie the other way round,
-/// frames whose images are exchanged, and cameras that few views stand for.
+/// wrong unit, images of one camera that were given as another's, too, left and right that lie the other way round,
+/// frames whose images are exchanged, cameras that few views stand for, and views that were set aside although no other
+/// one reaches as far.
 std::vector<std::string> data_warnings(const CalibrationProblem& problem, const CalibrationResult& result);
 
 }  // namespace raybundle::apps

@@ -87,6 +87,18 @@ std::string size_hint(const MarkerSearch& search, const Charuco& board) {
                      1e3 * size_m, 1e3 * board.square_m, 1e3 * board.marker_m);
 }
 
+// Markers are read by their dark squares; the corners between them need more pixels.
+std::string corner_hint(const MarkerSearch& search, const Charuco& board) {
+  const std::size_t agree = agreeing(search, board);
+  if (agree < kFewestMarkers) return {};
+  std::vector<double> sides_px;
+  for (const Marker& marker : search.markers) sides_px.push_back(mean_side(marker.corners));
+  return fmt::format(
+      "{} markers are read, but hardly a corner between their squares, which are about {:.0f} px wide: go nearer, or "
+      "take larger or sharper images",
+      agree, median(sides_px) * board.square_m / board.marker_m);
+}
+
 }  // namespace
 
 std::string charuco_hint(const cv::Mat& upright, const Charuco& board, const MarkerSearch& search) {
@@ -98,6 +110,7 @@ std::string charuco_hint(const cv::Mat& upright, const Charuco& board, const Mar
         "{} markers of {} seen, but they do not stand as on a board of {} x {} squares: check columns and rows",
         search.markers.size(), board.dictionary, board.columns, board.rows);
   }
+  if (std::string hint = corner_hint(search, board); !hint.empty()) return hint;
   cv::Mat inverse;
   cv::bitwise_not(upright, inverse);
   const MarkerSearch inverted = find_markers(inverse, dictionary_named(board.dictionary), 1);

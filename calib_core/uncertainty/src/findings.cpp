@@ -7,7 +7,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "motion_findings.hpp"
 #include "raybundle/uncertainty/drift.hpp"
@@ -192,20 +191,6 @@ std::optional<Finding> drift_finding(const RigCamera& camera, double rms_px, con
                  good ? "" : "was the lens or its mount touched, or did it warm up? Then calibrate from one half only"};
 }
 
-// Sigmas take corners for independent witnesses; whether they are, frames tell against each other.
-std::optional<Finding> sigmas_finding(const CalibrationResult& result) {
-  if (result.calibration.covariance_by_frame || result.poses.empty()) return std::nullopt;
-  std::set<int> frames;
-  for (const BoardPose& pose : result.poses) frames.insert(pose.frame);
-  if (static_cast<int>(frames.size()) >= kFewestFrames) return std::nullopt;
-  return Finding{
-      "the data", "sigmas", false,
-      fmt::format("fewer than {} frames cannot tell whether the corners of a frame err together, so that all "
-                  "sigmas may be several times too small",
-                  kFewestFrames),
-      "take more images before you rely on the sigmas"};
-}
-
 // A bend makes up for much of a lens that does not fit: then it says nothing about the board.
 std::optional<Finding> shape_finding(const CalibratedTarget& target, bool lenses_fit) {
   const BoardShape& shape = target.shape;
@@ -255,7 +240,6 @@ std::vector<Finding> findings(const CalibrationProblem& problem, const Calibrati
   }
   if (const auto finding = sync_finding(problem, result)) all.push_back(*finding);
   if (const auto finding = repetition_finding(problem, result)) all.push_back(*finding);
-  if (const auto finding = sigmas_finding(result)) all.push_back(*finding);
   for (const CalibratedTarget& target : result.calibration.targets) {
     if (const auto finding = shape_finding(target, lenses_fit)) all.push_back(*finding);
   }
