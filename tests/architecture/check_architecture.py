@@ -31,7 +31,7 @@ ARROWS = {
 }
 
 # Folders that may include anything, and that nothing else includes.
-LEAVES = ["apps", "tests", "bench"]
+LEAVES = ["apps", "python", "tests", "bench"]
 
 # library -> (how its headers begin, modules that may use it, whether their public headers may).
 LIBRARIES = {
@@ -44,6 +44,7 @@ LIBRARIES = {
     "Embree": (r"embree", ["synthetic", "cockpit"], False),
     "OpenSSL": (r"openssl/", ["io"], False),
     "nlohmann-json": (r"nlohmann/", ["io"], False),
+    "yaml-cpp": (r"yaml-cpp/", ["io"], False),
     "toml++": (r"toml\+\+/|toml\.hpp", ["targets", "synthetic"], True),
     "CLI11": (r"CLI/", [], False),
     "GoogleTest": (r"gtest/|gmock/", [], False),

@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include <pybind11/stl/filesystem.h>
+
+#include <string>
+#include <type_traits>
+
+#include "bindings.hpp"
+#include "raybundle/calibrate/calibrate.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/io/calibration_file.hpp"
+#include "raybundle/io/report_file.hpp"
+
+namespace raybundle::python {
+namespace {
+
+namespace py = pybind11;
+
+/// A result with the problem that it answers.
+struct Solved {
+  CalibrationProblem problem;
+  CalibrationResult result;
+};
+
+CalibrateOptions options_from(const py::kwargs& words) {
+  CalibrateOptions options;
+  std::string known;
+  std::size_t used = 0;
+  CalibrateOptions::for_each_option(options, [&](const char* name, const char*, const char*, auto& value) {
+    known += (known.empty() ? "" : ", ") + std::string(name);
+    if (!words.contains(name)) return;
+    value = words[name].template cast<std::decay_t<decltype(value)>>();
+    ++used;
+  });
+  if (used != words.size()) throw py::type_error("calibrate() knows these options: " + known);
+  return options;
+}
+
+Solved solve(const CalibrationProblem& problem, const py::kwargs& words) {
+  const CalibrateOptions options = options_from(words);
+  const py::gil_scoped_release others_may_run;
+  return {problem, calibrate(problem, options)};
+}
+
+Provenance provenance_of_python() { return {"raybundle.calibrate() of the Python module", {}, {}, {}}; }
+
+// Residuals of a view, one row for each of its observations; NaN for those that were left out.
+Rows<2> residuals_of(const Solved& solved, std::size_t view) {
+  if (view >= solved.result.views.size()) throw py::index_error("there is no such view");
+  const auto& residuals = solved.result.views[view].residuals_px;
+  Rows<2> rows(static_cast<Eigen::Index>(residuals.size()), 2);
+  for (std::size_t i = 0; i < residuals.size(); ++i) rows.row(static_cast<Eigen::Index>(i)) = residuals[i].transpose();
+  return rows;
+}
+
+}  // namespace
+
+void bind_calibrate(py::module_& module) {
+  py::class_<Solved>(module, "Result", "Everything a solve can be audited by.")
+      .def_property_readonly("calibration", [](const Solved& solved) { return solved.result.calibration; })
+      .def_property_readonly("rms_px", [](const Solved& solved) { return solved.result.rms_px; })
+      .def_property_readonly("warnings", [](const Solved& solved) { return solved.result.warnings; })
+      .def_property_readonly(
+          "set_aside",
+          [](const Solved& solved) {
+            std::vector<std::pair<std::string, std::string>> views;
+            for (const SetAside& aside : solved.result.set_aside) {
+              views.emplace_back(view_name(solved.problem, solved.problem.views[aside.view]), aside.reason);
+            }
+            return views;
+          },
+          "Views, or their ties, that were not used, and why.")
+      .def_property_readonly(
+          "rig_from_target",
+          [](const Solved& solved) {
+            std::vector<std::pair<std::string, Eigen::Matrix4d>> poses;
+            for (const BoardPose& pose : solved.result.poses) {
+              poses.emplace_back(solved.problem.frames[pose.frame], matrix_from_rigid3(pose.rig_from_target));
+            }
+            return poses;
+          },
+          "Frames with the poses (4, 4) of their boards.")
+      .def("residuals", &residuals_of, py::arg("view"),
+           "Measured minus projected (N, 2) [px] of a view's observations.")
+      .def(
+          "write_calibration",
+          [](const Solved& solved, const std::filesystem::path& path) {
+            write_calibration(path, calibration_file(solved.problem, solved.result, provenance_of_python()));
+          },
+          py::arg("path"), "Writes calibration.json, whole or not at all.")
+      .def(
+          "write_report",
+          [](const Solved& solved, const std::filesystem::path& path) {
+            write_report(path, solved.problem, solved.result, {{}, provenance_of_python()});
+          },
+          py::arg("path"), "Writes report.json, of which `raybundle report` makes a page.");
+
+  std::string doc = "Intrinsics, extrinsics, board poses and shapes in one bundle adjustment. Options:\n";
+  CalibrateOptions defaults;
+  CalibrateOptions::for_each_option(defaults,
+                                    [&](const char* name, const char* unit, const char* help, const auto& value) {
+                                      doc += "\n  " + std::string(name) + " = " + std::string(py::str(py::cast(value)));
+                                      doc += (*unit ? " [" + std::string(unit) + "]" : "") + ": " + help;
+                                    });
+  module.def("calibrate", &solve, py::arg("problem"), doc.c_str());
+}
+
+}  // namespace raybundle::python

@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include <pybind11/stl/filesystem.h>
+
+#include <limits>
+#include <string>
+
+#include "bindings.hpp"
+#include "raybundle/io/calibration_file.hpp"
+#include "raybundle/uncertainty/projection_uncertainty.hpp"
+
+namespace raybundle::python {
+namespace {
+
+namespace py = pybind11;
+
+Eigen::VectorXd projection_sigma(const Calibration& calibration, const std::string& camera,
+                                 const Eigen::Ref<const Rows<2>>& pixels, double range_m, bool by_frames) {
+  const bool frames = by_frames && calibration.covariance_by_frame;
+  const ProjectionUncertainty uncertainty = projection_uncertainty(
+      camera_named(calibration, camera), frames ? *calibration.covariance_by_frame : calibration.covariance);
+  Eigen::VectorXd sigmas = Eigen::VectorXd::Constant(pixels.rows(), std::numeric_limits<double>::quiet_NaN());
+  for (Eigen::Index i = 0; i < pixels.rows(); ++i) {
+    const auto covariance = projection_covariance(uncertainty, pixels.row(i).transpose(), range_m);
+    if (covariance) sigmas[i] = largest_sigma(*covariance);
+  }
+  return sigmas;
+}
+
+void bind_parts(py::module_& module) {
+  py::class_<RigCamera>(module, "RigCamera", "A camera in its place on the rig.")
+      .def(py::init([](const std::string& name, const Camera& camera, const Eigen::Matrix4d& camera_from_rig) {
+             return RigCamera{name, camera, rigid3_from_matrix(camera_from_rig)};
+           }),
+           py::arg("name"), py::arg("camera"),
+           py::arg("camera_from_rig") = Eigen::Matrix4d(Eigen::Matrix4d::Identity()))
+      .def_readonly("name", &RigCamera::name)
+      .def_readonly("camera", &RigCamera::camera)
+      .def_property_readonly("camera_from_rig",
+                             [](const RigCamera& camera) { return matrix_from_rigid3(camera.camera_from_rig); });
+
+  py::class_<Covariance>(module, "Covariance", "Joint covariance of named parameters, as left.fx.")
+      .def_readonly("names", &Covariance::names)
+      .def_readonly("matrix", &Covariance::matrix)
+      .def("sigma", &Covariance::sigma, py::arg("name"), "Standard deviation; 0 for what was not estimated.")
+      .def("block", &Covariance::block, py::arg("names"), "The part of the matrix for some names.");
+
+  py::class_<LaserBeam>(module, "LaserBeam", "One beam of a dot projector: a line in the rig's frame.")
+      .def_readonly("row", &LaserBeam::row)
+      .def_readonly("column", &LaserBeam::column)
+      .def_property_readonly(
+          "point", [](const LaserBeam& beam) { return beam.line.point; }, "on the line [m]")
+      .def_property_readonly(
+          "direction", [](const LaserBeam& beam) { return beam.line.direction; }, "unit vector")
+      .def_readonly("covariance", &LaserBeam::covariance, "of two offsets [m] and two slopes [rad] across the line");
+}
+
+}  // namespace
+
+void bind_calibration(py::module_& module) {
+  bind_parts(module);
+  py::class_<Calibration>(module, "Calibration",
+                          "What is saved: cameras, extrinsics, beams, and how well they are known.")
+      .def(py::init([](const std::vector<RigCamera>& cameras) {
+             Calibration calibration;
+             calibration.cameras = cameras;
+             return calibration;
+           }),
+           py::arg("cameras"), "Cameras without sigmas, as from another program.")
+      .def_readonly("cameras", &Calibration::cameras)
+      .def("__getitem__", &camera_named, py::arg("name"), py::return_value_policy::reference_internal)
+      .def_readonly("covariance", &Calibration::covariance, "for errors that are independent from corner to corner")
+      .def_readonly("covariance_by_frame", &Calibration::covariance_by_frame,
+                    "from how the frames disagree; None for fewer than ten frames")
+      .def_property_readonly("beams",
+                             [](const Calibration& calibration) {
+                               return calibration.laser ? calibration.laser->beams : std::vector<LaserBeam>{};
+                             })
+      .def("projection_sigma", &projection_sigma, py::arg("camera"), py::arg("pixels"),
+           py::arg("range_m") = kInfinitelyFar, py::arg("by_frames") = false,
+           "Standard deviations (N) [px] of where a camera sees points that it now sees at pixels (N, 2), at a range.");
+
+  module.def(
+      "read_calibration", [](const std::filesystem::path& path) { return read_calibration(path).calibration; },
+      py::arg("path"), "Reads calibration.json and replays its self-test.");
+}
+
+}  // namespace raybundle::python

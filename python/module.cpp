@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "bindings.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/rotation.hpp"
+
+namespace raybundle::python {
+
+Eigen::Matrix4d matrix_from_rigid3(const Rigid3& b_from_a) {
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+  matrix.topLeftCorner<3, 3>() = b_from_a.rotation.toRotationMatrix();
+  matrix.topRightCorner<3, 1>() = b_from_a.translation;
+  return matrix;
+}
+
+Rigid3 rigid3_from_matrix(const Eigen::Matrix4d& b_from_a) {
+  constexpr double kRounding = 1e-6;
+  const Eigen::Matrix3d rotation = b_from_a.topLeftCorner<3, 3>();
+  if (!((rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).norm() < kRounding) ||
+      !(rotation.determinant() > 0)) {
+    throw Error(ErrorKind::kBadInput, "the upper left 3x3 of a transform has to be a rotation");
+  }
+  return {Eigen::Quaterniond(nearest_rotation(rotation)).normalized(), b_from_a.topRightCorner<3, 1>()};
+}
+
+}  // namespace raybundle::python
+
+PYBIND11_MODULE(raybundle, module) {
+  using namespace raybundle;
+  module.doc() =
+      "Raybundle: fisheye intrinsics, extrinsics and laser beams in one bundle adjustment, with covariance.\n\n"
+      "Lengths are metres, angles radians, images pixels; (0, 0) is the centre of the top-left pixel. Transforms are 4x4 "
+      "and called b_from_a. Points and pixels stand in the rows of arrays.";
+  pybind11::register_exception<Error>(module, "Error", PyExc_ValueError).doc() =
+      "Bad input, files and data that cannot determine the answer: one sentence that says what to do.";
+  python::bind_camera(module);
+  python::bind_calibration(module);
+  python::bind_problem(module);
+  python::bind_calibrate(module);
+}
