@@ -14,7 +14,6 @@
 #include <utility>
 
 #include "raybundle/uncertainty/frame_covariance.hpp"
-#include "raybundle/uncertainty/verdict.hpp"
 
 namespace raybundle::apps {
 namespace {
@@ -91,17 +90,15 @@ std::string exchanged_sides_warning(const Calibration& calibration) {
 
 // Cameras that stand in the same place and look the same way, as no two can: images of one that were saved twice.
 std::vector<std::string> same_place_warnings(const Calibration& calibration) {
-  constexpr double kSigmas = 5.0;
-  constexpr double kSameDirection_rad = 2e-3;  // no two cameras are mounted so exactly
+  constexpr double kSamePlace_m = 1e-3;
+  constexpr double kSameDirection_rad = 2e-3;
   std::vector<std::string> warnings;
   for (std::size_t a = 0; a < calibration.cameras.size(); ++a) {
     for (std::size_t b = a + 1; b < calibration.cameras.size(); ++b) {
       const RigCamera &first = calibration.cameras[a], &second = calibration.cameras[b];
       const Rigid3 second_from_first = second.camera_from_rig * first.camera_from_rig.inverse();
       const double away_m = second_from_first.translation.norm();
-      // Known to sigmas for cameras that are seen from the first one of the rig.
-      const double sigma_m = a == 0 ? baseline_sigma(second, calibration) : 0.0;
-      if (away_m > kSigmas * sigma_m || angle_between(second_from_first, Rigid3{}) > kSameDirection_rad) continue;
+      if (away_m > kSamePlace_m || angle_between(second_from_first, Rigid3{}) > kSameDirection_rad) continue;
       warnings.push_back(
           fmt::format("{} and {} stand in the same place, {:.2f} mm apart: are the images of one camera given twice?",
                       first.name, second.name, 1e3 * away_m));

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -45,13 +47,31 @@ struct Converted {
   CameraDifference difference = {};     // of what the files say from the camera that was asked for
   std::optional<double> sigma_px = {};  // of the calibration itself, where the difference is largest
 
-  bool within(double max_px) const { return difference.lost_share == 0.0 && difference.largest_px <= max_px; }
+  Eigen::Matrix<double, 6, 1> moved = Eigen::Matrix<double, 6, 1>::Zero();  // its place in the files, as perturbed()
+
+  bool within(double max_px) const {
+    constexpr double kRounding = 1e-9;  // [rad], [m]
+    return difference.lost_share == 0.0 && difference.largest_px <= max_px && moved.norm() <= kRounding;
+  }
 };
 
 // Whether a conversion may aim at a lens: all that it lacks can be held at zero.
 bool is_aim(const ForeignLens& lens) {
+  if (lens.places.starts_with("f ")) return false;  // of a wider one
   const Camera start = start_camera(lens.model, {2, 2}, 1.0);
   return std::ranges::all_of(parameters_without_place(lens), [&](int i) { return start.parameters[i] == 0.0; });
+}
+
+// The difference over what the other program projects by a lens; the rays beyond are lost.
+CameraDifference seen_by(const ForeignLens& lens, const std::vector<PixelRay>& rays, const Camera& camera) {
+  std::vector<PixelRay> seen;
+  std::ranges::copy_if(rays, std::back_inserter(seen), [&](const PixelRay& each) {
+    return std::atan2(each.ray.head<2>().norm(), each.ray.z()) < lens.max_angle_rad;
+  });
+  CameraDifference difference = difference_over(seen, camera);
+  const double seen_share = static_cast<double>(seen.size()) / static_cast<double>(rays.size());
+  difference.lost_share = 1.0 - seen_share * (1.0 - difference.lost_share);
+  return difference;
 }
 
 Converted converted(const RigCamera& camera, const ForeignFormat& format, const ForeignFlags& flags) {
@@ -64,41 +84,56 @@ Converted converted(const RigCamera& camera, const ForeignFormat& format, const 
                     " degrees of the axis; give a larger --within",
                 camera.name);
   }
-  best.same = best.lens != nullptr && (flags.lens.empty() || best.lens->name == flags.lens);
-  if (best.same) return best;
+  for (const ForeignLens& lens : format.lenses) {
+    if (lens.name == flags.lens && holds(format, lens, camera.camera)) best.lens = &lens;
+  }
+  if (best.lens != nullptr && !flags.lens.empty() && best.lens->name != flags.lens) best.lens = nullptr;
+  if (best.lens != nullptr) best.difference = seen_by(*best.lens, best.rays, camera.camera);
+  best.same = best.lens != nullptr;
+  if (best.same && best.difference.lost_share == 0.0) return best;
   const auto badness = [](const CameraDifference& d) { return std::tuple(d.lost_share, d.largest_px); };
-  best.lens = nullptr;
   for (const ForeignLens& lens : format.lenses) {
     if ((!flags.lens.empty() && lens.name != flags.lens) || !is_aim(lens)) continue;
     RigCamera candidate = camera;
     candidate.camera = nearest_camera(best.rays, camera.camera, lens.model, parameters_without_place(lens));
-    const CameraDifference difference = difference_over(best.rays, candidate.camera);
+    if (!holds(format, lens, candidate.camera)) continue;  // the program refuses such values
+    const CameraDifference difference = seen_by(lens, best.rays, candidate.camera);
     if (best.lens != nullptr && badness(difference) >= badness(best.difference)) continue;
     best.camera = candidate;
     best.lens = &lens;
+    best.same = false;
     best.difference = difference;
+  }
+  if (best.lens == nullptr) {
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("{} takes no lens{} like this {} one; choose another format", format.name,
+                            flags.lens.empty() ? "" : " " + flags.lens, model_name(camera.camera.model)),
+                camera.name);
   }
   return best;
 }
 
-// Reads back what was written, so that the differences are those of the files, digits and all.
+// Reads the files back, so that the differences are those of the files, digits and all.
 void measure(const ForeignFormat& format, const std::vector<NamedText>& files, std::vector<Converted>& cameras) {
-  if (format.holds_extrinsics) {
-    const std::vector<RigCamera> rig = rig_from_texts(format, files);
-    for (std::size_t i = 0; i < rig.size(); ++i) {
-      cameras[i].difference = difference_over(cameras[i].rays, rig[i].camera);
-    }
-    return;
-  }
-  for (std::size_t i = 0; i < cameras.size(); ++i) {  // one file for each, before any other
-    cameras[i].difference = difference_over(cameras[i].rays, rig_from_texts(format, {&files[i], 1})[0].camera);
+  std::vector<RigCamera> rig;
+  if (format.holds_extrinsics) rig = rig_from_texts(format, files);
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    Converted& camera = cameras[i];
+    // One file for each, before any other.
+    const Camera back = rig.empty() ? rig_from_texts(format, {&files[i], 1})[0].camera : rig[i].camera;
+    camera.difference = seen_by(*camera.lens, camera.rays, back);
+    if (rig.empty()) continue;
+    const Rigid3 from_first = camera.camera.camera_from_rig * cameras[0].camera.camera_from_rig.inverse();
+    camera.moved = motion_between(from_first, rig[i].camera_from_rig);
   }
 }
 
 // How well the calibration knows where a camera sees far points, by corners or by frames, whichever tells less; nothing
 // when it does not say.
 std::optional<double> sigma_at(const Calibration& calibration, const RigCamera& camera, const Eigen::Vector2d& pixel) {
-  if (!camera.evidence || calibration.covariance.names.empty()) return std::nullopt;
+  if (!camera.evidence || calibration.covariance.names.empty() || !ray_from_pixel(camera.camera, pixel)) {
+    return std::nullopt;
+  }
   return larger_sigma(calibration, [&](const Covariance& covariance) {
     const auto at = projection_covariance(projection_uncertainty(camera, covariance), pixel, kInfinitelyFar);
     return at ? largest_sigma(*at) : 0.0;
@@ -112,10 +147,9 @@ std::string miss(const Converted& camera, const ForeignFormat& format, const For
           ? fmt::format("does not see {:.0f} % of the image", std::max(1.0, 100.0 * d.lost_share))
           : fmt::format("is up to {:.2g} px off, at ({:.0f}, {:.0f}), and {:g} px are allowed (--max-px)", d.largest_px,
                         d.largest_at.x(), d.largest_at.y(), flags.max_px);
-  return fmt::format(
-      "{}: the nearest lens that {} has, {}, {}; keep less of the image with --within DEG, or choose "
-      "another format",
-      camera.camera.name, format.name, camera.lens->name, what);
+  return fmt::format("{}: {}, the{} lens of {}, {}; keep less of the image with --within DEG, or choose another format",
+                     camera.camera.name, camera.lens->name, camera.same || !flags.lens.empty() ? "" : " nearest",
+                     format.name, what);
 }
 
 void print_text(const std::vector<Converted>& cameras, const std::vector<RigCamera>& rig) {
@@ -132,11 +166,12 @@ void print_text(const std::vector<Converted>& cameras, const std::vector<RigCame
   fmt::print("{}", text_table(rows));
 }
 
-void print_json(const std::vector<Converted>& cameras, const std::vector<fs::path>& paths, double max_px) {
-  nlohmann::ordered_json json{{"passed", true}, {"files", nlohmann::ordered_json::array()}};
+void print_json(const std::vector<Converted>& cameras, const std::vector<fs::path>& paths,
+                const std::vector<std::string>& missed) {
+  nlohmann::ordered_json json{
+      {"passed", missed.empty()}, {"missed", missed}, {"files", nlohmann::ordered_json::array()}};
   for (const fs::path& path : paths) json["files"].push_back(path.string());
   for (const Converted& c : cameras) {
-    json["passed"] = json["passed"].get<bool>() && c.within(max_px);
     json["cameras"].push_back({{"name", c.camera.name},
                                {"lens", c.lens->name},
                                {"same_lens", c.same},
@@ -144,7 +179,9 @@ void print_json(const std::vector<Converted>& cameras, const std::vector<fs::pat
                                {"largest_px", c.difference.largest_px},
                                {"largest_at_px", {c.difference.largest_at.x(), c.difference.largest_at.y()}},
                                {"sigma_there_px", c.sigma_px ? nlohmann::ordered_json(*c.sigma_px) : nullptr},
-                               {"lost_share", c.difference.lost_share}});
+                               {"lost_share", c.difference.lost_share},
+                               {"place_error_rad", c.moved.head<3>().norm()},
+                               {"place_error_m", c.moved.tail<3>().norm()}});
   }
   fmt::print("{}\n", text_of_json(json, 2));
 }
@@ -169,15 +206,16 @@ bool run(const ExportRequest& request, const ForeignFlags& flags) {
   }
   format.file.empty() ? require_writable(request.output) : require_writable_file(request.output, "--output");
   require_lens(format, flags.lens);
+  require_other_file({request.calibration}, request.output);
   const CalibrationFile file = read_calibration(request.calibration);
   std::vector<RigCamera> rig = file.calibration.cameras;
   if (!request.camera.empty()) rig = {chosen_camera(file.calibration, request.camera)};
 
   std::vector<Converted> cameras;
-  std::vector<RigCamera> theirs;
+  std::vector<ForeignCamera> theirs;
   for (const RigCamera& camera : rig) {
     cameras.push_back(converted(camera, format, flags));
-    theirs.push_back(cameras.back().camera);
+    theirs.push_back({cameras.back().camera, cameras.back().lens});
   }
   const std::vector<NamedText> files = texts_from_rig(format, theirs);
   measure(format, files, cameras);
@@ -189,7 +227,7 @@ bool run(const ExportRequest& request, const ForeignFlags& flags) {
   }
   const std::vector<fs::path> paths = missed.empty() ? write(format, files, request.output) : std::vector<fs::path>{};
   if (request.json) {
-    print_json(cameras, paths, flags.max_px);
+    print_json(cameras, paths, missed);
   } else {
     print_text(cameras, rig);
     for (const fs::path& path : paths) fmt::print("wrote {}\n", path.string());

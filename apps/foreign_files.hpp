@@ -18,6 +18,9 @@ std::string formats_help();
 /// @throws Error(kBadInput) that lists the lenses, unless the name is empty or one of the format's
 void require_lens(const ForeignFormat& format, const std::string& lens);
 
+/// @throws Error(kBadInput) when what is to be written is one of the files that are read
+void require_other_file(const std::vector<std::string>& inputs, const std::string& output);
+
 /// Files of another program, read.
 struct ForeignFiles {
   const ForeignFormat* format = nullptr;

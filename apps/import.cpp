@@ -11,6 +11,7 @@
 #include "output_folder.hpp"
 #include "page_text.hpp"
 #include "raybundle/camera/injectivity.hpp"
+#include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
 #include "raybundle/io/hash.hpp"
 #include "terminal.hpp"
@@ -20,14 +21,26 @@ namespace raybundle::apps {
 namespace {
 
 struct ImportFlags {
-  std::vector<std::string> files;
+  std::vector<std::string> files, names;
   std::string from, output;
   bool json = false;
 };
 
-CalibrationFile calibration_from(const ForeignFiles& read) {
+// Their own names, or those that are given.
+void rename(std::vector<RigCamera>& rig, const std::vector<std::string>& names) {
+  if (names.empty()) return;
+  if (names.size() != rig.size()) {
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("there are {} names for {} cameras; give one for each", names.size(), rig.size()),
+                "--names");
+  }
+  for (std::size_t i = 0; i < rig.size(); ++i) rig[i].name = names[i];
+}
+
+CalibrationFile calibration_from(const ImportFlags& flags, const ForeignFiles& read) {
   CalibrationFile file;
   file.calibration.cameras = rig_from_texts(*read.format, read.files);
+  rename(file.calibration.cameras, flags.names);
   file.provenance.command = "raybundle import";
   for (const NamedText& text : read.files) file.provenance.inputs.push_back({text.name, sha256_of_bytes(text.text)});
   file.provenance.options = {{"from", std::string(read.format->name)}};
@@ -50,8 +63,9 @@ std::string table_of(const Calibration& calibration) {
 
 void run(const ImportFlags& flags) {
   require_writable_file(flags.output, "--output");
+  require_other_file(flags.files, flags.output);
   const ForeignFiles read = read_foreign_files(flags.files, flags.from);
-  const CalibrationFile file = calibration_from(read);
+  const CalibrationFile file = calibration_from(flags, read);
   for (const RigCamera& camera : file.calibration.cameras) {
     if (const auto warning = injectivity_warning(check_injectivity(camera.camera))) {
       say_warning(camera.name + ": " + *warning);
@@ -85,6 +99,8 @@ void add_import_verb(CLI::App& app) {
   verb->add_option("--from", flags->from, "format, unless the files tell: " + formats_help())
       ->type_name("FORMAT")
       ->check(CLI::IsMember(format_names()));
+  verb->add_option("--names", flags->names, "of the cameras, in their order, where the files have others")
+      ->type_name("NAME");
   verb->add_option("-o,--output", flags->output, "calibration.json to write")->required()->type_name("FILE");
   verb->add_flag("--json", flags->json, "print the result as JSON");
   verb->footer(

@@ -6,13 +6,9 @@
 
 namespace raybundle::apps {
 
-void append_json_for_script(std::string_view json, std::string& page) {
-  for (const char c : json) c == '<' ? page += "\\u003c" : page += c;
-}
-
 std::string json_for_script(std::string_view json) {
   std::string text;
-  append_json_for_script(json, text);
+  for (const char c : json) c == '<' ? text += "\\u003c" : text += c;
   return text;
 }
 

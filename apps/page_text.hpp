@@ -11,8 +11,6 @@ namespace raybundle::apps {
 /// JSON as it may stand in a <script> element: "</script>" in a file name would end that. In JSON "<" is always within
 /// a string, where it has another spelling.
 std::string json_for_script(std::string_view json);
-/// The same at the end of a page, without a copy between.
-void append_json_for_script(std::string_view json, std::string& page);
 
 /// Bytes of an image as they stand in a page or in JSON.
 std::string base64(std::span<const unsigned char> bytes);

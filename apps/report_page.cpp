@@ -26,36 +26,41 @@ std::string text_for_attribute(std::string_view text) {
   return replaced(replaced(replaced(text, '&', "&amp;"), '"', "&quot;"), '<', "&lt;");
 }
 
-void append_part(std::string_view name, const std::string& report_json, const std::string& images, std::string& page) {
-  if (name == "style") {
-    page += kReportStyle;
-  } else if (name == "script") {
-    for (const std::string_view piece : kReportScript) page += piece;
-  } else if (name == "report") {
-    append_json_for_script(report_json, page);  // the one that may be long
-  } else if (name == "images") {
-    page += text_for_attribute(images.empty() ? images : images + "/");
-  } else {
+std::string part_named(std::string_view name, const std::string& images) {
+  if (name == "style") return std::string(kReportStyle);
+  if (name == "images") return text_for_attribute(images.empty() ? images : images + "/");
+  if (name != "script") {
     throw Error(ErrorKind::kBadInput, "the page has no part of that name; see apps/report_page.cpp", std::string(name));
   }
+  std::string script;
+  for (const std::string_view piece : kReportScript) script += piece;
+  return script;
 }
 
 }  // namespace
 
-std::string report_page(const std::string& report_json, const std::string& images) {
-  std::size_t size = kReportTemplate.size() + kReportStyle.size() + report_json.size();
-  for (const std::string_view piece : kReportScript) size += piece.size();
-  std::string page;
-  // A report may be long; the little more is for what has to be spelt otherwise.
-  page.reserve(size + size / 64);
+ReportFrame report_frame(const std::string& images) {
+  ReportFrame frame;
+  std::string* text = &frame.before;
   std::string_view rest = kReportTemplate;
   for (std::size_t begin = rest.find("{{"); begin != rest.npos; begin = rest.find("{{")) {
     const std::size_t end = rest.find("}}", begin);
-    page += rest.substr(0, begin);
-    append_part(rest.substr(begin + 2, end - begin - 2), report_json, images, page);
+    const std::string_view name = rest.substr(begin + 2, end - begin - 2);
+    *text += rest.substr(0, begin);
+    if (name == "report") {
+      text = &frame.behind;
+    } else {
+      *text += part_named(name, images);
+    }
     rest.remove_prefix(end + 2);
   }
-  return page += rest;
+  *text += rest;
+  return frame;
+}
+
+std::string report_page(std::string_view report_json, const std::string& images) {
+  const ReportFrame frame = report_frame(images);
+  return frame.before + json_for_script(report_json) + frame.behind;
 }
 
 }  // namespace raybundle::apps

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 namespace raybundle::apps {
 
@@ -10,6 +11,12 @@ namespace raybundle::apps {
 ///
 /// @param report_json  the text of report.json, which is put into the page
 /// @param images       folder that the report's image paths start from, as seen from the page's folder; empty: the same
-std::string report_page(const std::string& report_json, const std::string& images = {});
+std::string report_page(std::string_view report_json, const std::string& images = {});
+
+/// What stands before and behind the report in its page, for reports that are too long to be copied.
+struct ReportFrame {
+  std::string before, behind;
+};
+ReportFrame report_frame(const std::string& images = {});
 
 }  // namespace raybundle::apps

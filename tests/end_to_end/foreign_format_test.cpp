@@ -154,13 +154,45 @@ TEST(Exports, NothingBeyondTheErrorThatIsAllowed) {
                                        "-o",     folder.string(),      "--lens", "LENSMODEL_PINHOLE"};
   const ProgramRun run = raybundle_program(words);
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_THAT(run.out, HasSubstr("FAIL  left: the nearest lens that mrcal has, LENSMODEL_PINHOLE, is up to"));
+  EXPECT_THAT(run.out, HasSubstr("FAIL  left: LENSMODEL_PINHOLE, the lens of mrcal, is up to"));
   EXPECT_THAT(run.out, Not(HasSubstr("wrote")));
   EXPECT_FALSE(fs::exists(folder));
   std::vector<std::string> allowed = words;
   allowed.insert(allowed.end(), {"--max-px", "500"});
   EXPECT_EQ(raybundle_program(allowed).exit_code, 0);
   EXPECT_TRUE(fs::exists(folder / "left.cameramodel"));
+}
+
+// cv::fisheye takes the arctangent of r / z: it mirrors what is behind the camera.
+TEST(Exports, NoFisheyeFartherThanTheOtherProgramSees) {
+  const fs::path place = fresh_folder();
+  CalibrationFile file;
+  Camera camera = start_camera(*model_named("kannala_brandt"), {640, 480}, 190.0);
+  file.calibration.cameras = {{"wide", camera, {}}};
+  write_calibration(place / "wide.json", file);
+  const std::vector<std::string> words{"export", (place / "wide.json").string(), "--to",   "opencv",
+                                       "-o",     (place / "cv").string(),        "--lens", "fisheye"};
+  const ProgramRun run = raybundle_program(words);
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.out, HasSubstr("FAIL  wide: fisheye, the lens of opencv, does not see"));
+  std::vector<std::string> within = words;
+  within.insert(within.end(), {"--within", "89"});
+  EXPECT_EQ(raybundle_program(within).exit_code, 0);
+}
+
+TEST(Exports, NeverOverWhatTheyRead) {
+  const fs::path place = fresh_folder();
+  CalibrationFile file;
+  file.calibration.cameras = {{"one", start_camera(*model_named("kannala_brandt"), {640, 480}, 400.0), {}}};
+  write_calibration(place / "one.json", file);
+  const std::string before = text_of(place / "one.json"), path = (place / "one.json").string();
+  EXPECT_EQ(raybundle_program({"export", path, "--to", "kalibr", "-o", path}).exit_code, 2);
+  EXPECT_EQ(text_of(place / "one.json"), before);
+  const std::string chain = (place / "chain.yaml").string();
+  EXPECT_EQ(raybundle_program({"export", path, "--to", "kalibr", "-o", chain}).exit_code, 0);
+  const std::string exported = text_of(chain);
+  EXPECT_EQ(raybundle_program({"import", chain, "-o", chain}).exit_code, 2);
+  EXPECT_EQ(text_of(chain), exported);
 }
 
 TEST(Exports, OneCameraOfARig) {

@@ -32,7 +32,7 @@ CameraDifference difference_over(const std::vector<PixelRay>& rays, const Camera
     }
     const double distance = (*found - pixel).norm();
     squares += distance * distance;
-    if (distance <= difference.largest_px) continue;
+    if (distance < difference.largest_px) continue;
     difference.largest_px = distance;
     difference.largest_at = pixel;
   }

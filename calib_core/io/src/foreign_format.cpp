@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "formats/foreign_lens.hpp"
 #include "formats/format_list.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/scene/csv.hpp"
@@ -22,32 +23,35 @@ const ForeignFormat* foreign_format_named(std::string_view name) {
   return found == foreign_formats().end() ? nullptr : &*found;
 }
 
-std::vector<NamedText> texts_from_rig(const ForeignFormat& format, const std::vector<RigCamera>& rig) {
-  for (const RigCamera& camera : rig) {
-    if (lens_for(format, camera.camera) == nullptr) {
+std::vector<NamedText> texts_from_rig(const ForeignFormat& format, std::vector<ForeignCamera> rig) {
+  for (ForeignCamera& camera : rig) {
+    if (camera.lens == nullptr) camera.lens = lens_for(format, camera.camera.camera);
+    if (camera.lens == nullptr || !holds(format, *camera.lens, camera.camera.camera)) {
       throw Error(ErrorKind::kBadInput,
-                  std::string(format.name) + " has no lens like this " + std::string(model_name(camera.camera.model)) +
-                      " one; convert it first",
-                  camera.name);
-    }
-    if (format.file.empty() && camera.name.find('/') != std::string::npos) {
-      throw Error(ErrorKind::kBadInput, "the name cannot be that of a file; rename the camera", camera.name);
+                  std::string(format.name) + " has no lens like this " +
+                      std::string(model_name(camera.camera.camera.model)) + " one; convert it first",
+                  camera.camera.name);
     }
   }
-  return format.write(format, rig);
+  std::vector<NamedText> files = format.write(format, rig);
+  std::set<std::string> names;
+  for (const NamedText& file : files) {
+    if (names.insert(file.name).second) continue;
+    throw Error(ErrorKind::kBadInput, "two files would be called " + in_quotes(file.name) + "; rename a camera");
+  }
+  return files;
 }
 
 std::vector<RigCamera> rig_from_texts(const ForeignFormat& format, std::span<const NamedText> files) {
   if (files.empty()) throw Error(ErrorKind::kBadInput, "there is no file to read");
   std::vector<RigCamera> rig = format.read(format, files);
+  if (rig.empty()) throw Error(ErrorKind::kBadInput, "has no camera", files[0].name);
   std::set<std::string> names;
-  const Rigid3 reference_from_first = rig.at(0).camera_from_rig.inverse();
-  for (RigCamera& camera : rig) {
-    if (!names.insert(camera.name).second) {
-      throw Error(ErrorKind::kBadInput, "two cameras are called " + in_quotes(camera.name) + "; rename one",
-                  files[0].name);
-    }
-    camera.camera_from_rig = camera.camera_from_rig * reference_from_first;
+  for (const RigCamera& camera : rig) names.insert(camera.name);
+  const Rigid3 reference_from_first = rig[0].camera_from_rig.inverse();
+  for (std::size_t i = 0; i < rig.size(); ++i) {
+    if (names.size() < rig.size() || names.contains("")) rig[i].name = numbered_camera(i);
+    rig[i].camera_from_rig = rig[i].camera_from_rig * reference_from_first;
   }
   rig[0].camera_from_rig = {};
   return rig;

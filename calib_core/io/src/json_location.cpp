@@ -10,29 +10,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Walks the text and reports how many bytes the parser has taken.
-class CountingIterator {
- public:
-  using iterator_category = std::input_iterator_tag;
-  using value_type = char;
-  using difference_type = std::ptrdiff_t;
-  using pointer = const char*;
-  using reference = const char&;
-
-  CountingIterator(const char* place, const char** furthest) : place_(place), furthest_(furthest) {}
-  reference operator*() const { return *place_; }
-  CountingIterator& operator++() {
-    *furthest_ = ++place_;
-    return *this;
-  }
-  bool operator==(const CountingIterator& other) const { return place_ == other.place_; }
-  bool operator!=(const CountingIterator& other) const { return place_ != other.place_; }
-
- private:
-  const char* place_;
-  const char** furthest_;
-};
-
 // Follows a path of keys and indices; stops the parser at its end, or at a syntax error.
 class Locator : public nlohmann::json_sax<Json> {
  public:

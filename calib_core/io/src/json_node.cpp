@@ -18,60 +18,111 @@ namespace {
 
 constexpr int kMaxImageSide = 1'000'000;  // [px]; beyond that a width is a mistake
 
-// Refuses an object that has a key twice: only one of the values could be meant. A pass of its own, because the
-// parser's callback looks through a whole array behind each of its objects.
-class KeysOnce : public nlohmann::json_sax<nlohmann::json> {
+// Refuses an object that has a key twice: only one of the values could be meant. And finds where a long array and its
+// entries stand. A pass of its own, because the parser's callback looks through a whole array behind each of its
+// objects.
+class FirstPass : public nlohmann::json_sax<nlohmann::json> {
  public:
-  explicit KeysOnce(std::string name) : name_(std::move(name)) {}
+  FirstPass(std::string_view text, std::string name, const std::string& long_key)
+      : text_(text), furthest_(text.data()), name_(std::move(name)), long_key_(long_key) {
+    nlohmann::json::sax_parse(CountingIterator(text.data(), &furthest_),
+                              CountingIterator(text.data() + text.size(), &furthest_), this);
+  }
+
+  std::vector<std::string_view> entries;  // of the long array
+  std::string_view inside;                // of its brackets
+  bool all_objects = true;
 
   bool start_object(std::size_t) override {
-    open_.emplace_back();
+    if (in_long_array()) entry_begin_ = taken() - 1;
+    open_.push_back({false, {}});
     return true;
   }
   bool end_object() override {
     open_.pop_back();
+    if (in_long_array()) entries.push_back(text_.substr(entry_begin_, taken() - entry_begin_));
+    return true;
+  }
+  bool start_array(std::size_t) override {
+    value();
+    const bool is_long = open_.size() == 1 && !open_.back().array && last_key_ == long_key_ && !long_key_.empty();
+    if (is_long) array_begin_ = taken();
+    open_.push_back({true, {}});
+    long_depth_ = is_long ? open_.size() : long_depth_;
+    return true;
+  }
+  bool end_array() override {
+    if (in_long_array()) {
+      inside = text_.substr(array_begin_, taken() - 1 - array_begin_);
+      long_depth_ = 0;
+    }
+    open_.pop_back();
     return true;
   }
   bool key(std::string& key) override {
-    if (open_.back().insert(key).second) return true;
+    if (open_.size() == 1) last_key_ = key;
+    if (open_.back().keys.insert(key).second) return true;
     throw Error(ErrorKind::kBadInput, "the key " + in_quotes(key) + " stands twice in one object; leave one out",
                 name_);
   }
-  bool null() override { return true; }
-  bool boolean(bool) override { return true; }
-  bool number_integer(number_integer_t) override { return true; }
-  bool number_unsigned(number_unsigned_t) override { return true; }
-  bool number_float(number_float_t, const std::string&) override { return true; }
-  bool string(std::string&) override { return true; }
-  bool binary(binary_t&) override { return true; }
-  bool start_array(std::size_t) override { return true; }
-  bool end_array() override { return true; }
+  bool null() override { return value(); }
+  bool boolean(bool) override { return value(); }
+  bool number_integer(number_integer_t) override { return value(); }
+  bool number_unsigned(number_unsigned_t) override { return value(); }
+  bool number_float(number_float_t, const std::string&) override { return value(); }
+  bool string(std::string&) override { return value(); }
+  bool binary(binary_t&) override { return value(); }
   bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override { return false; }
 
  private:
-  std::string name_;
-  std::vector<std::set<std::string>> open_;  // keys of the objects that have not ended, outermost first
+  struct Container {
+    bool array;
+    std::set<std::string> keys;
+  };
+
+  std::size_t taken() const { return static_cast<std::size_t>(furthest_ - text_.data()); }
+  bool in_long_array() const { return long_depth_ > 0 && open_.size() == long_depth_; }
+  // A value that is no object.
+  bool value() {
+    all_objects &= !in_long_array();
+    return true;
+  }
+
+  std::string_view text_;
+  const char* furthest_;
+  std::string name_, long_key_, last_key_;
+  std::vector<Container> open_;  // what has not ended, outermost first
+  std::size_t long_depth_ = 0, array_begin_ = 0, entry_begin_ = 0;
 };
+
+nlohmann::json parsed(std::string_view text) { return nlohmann::json::parse(text.begin(), text.end()); }
+
+[[noreturn]] void fail_syntax(std::string_view text, const std::string& name) {
+  const std::size_t byte = byte_of_syntax_error(text);
+  const std::string where = name + ":" + std::to_string(line_of_byte(text, byte));
+  if (byte >= text.size()) {
+    throw Error(ErrorKind::kBadInput, "the JSON text ends too early; is the file complete?", where);
+  }
+  const std::size_t begin = byte - std::min<std::size_t>(byte, 20);
+  throw Error(ErrorKind::kBadInput,
+              "this is not valid JSON, the mistake is at the end of " +
+                  in_quotes(text.substr(begin, byte + 1 - begin)) + "; correct it or write the file again",
+              where);
+}
 
 }  // namespace
 
-JsonDocument parse_json(std::string_view text, const std::string& name) {
+JsonDocument parse_json(std::string_view text, const std::string& name, LongJsonArray* long_array) {
   try {
-    JsonDocument document{text, name, nlohmann::json::parse(text.begin(), text.end())};
-    KeysOnce once(name);
-    nlohmann::json::sax_parse(text.begin(), text.end(), &once);
+    FirstPass first(text, name, long_array ? long_array->key : "");
+    if (!long_array || first.entries.empty() || !first.all_objects) return {text, name, parsed(text)};
+    std::string rest(text.substr(0, static_cast<std::size_t>(first.inside.data() - text.data())));
+    rest += std::string_view(first.inside.data() + first.inside.size(), text.data() + text.size());
+    JsonDocument document{text, name, parsed(rest)};
+    long_array->entries = std::move(first.entries);
     return document;
   } catch (const nlohmann::json::exception&) {
-    const std::size_t byte = byte_of_syntax_error(text);
-    const std::string where = name + ":" + std::to_string(line_of_byte(text, byte));
-    if (byte >= text.size()) {
-      throw Error(ErrorKind::kBadInput, "the JSON text ends too early; is the file complete?", where);
-    }
-    const std::size_t begin = byte - std::min<std::size_t>(byte, 20);
-    throw Error(ErrorKind::kBadInput,
-                "this is not valid JSON, the mistake is at the end of " +
-                    in_quotes(text.substr(begin, byte + 1 - begin)) + "; correct it or write the file again",
-                where);
+    fail_syntax(text, name);
   }
 }
 
@@ -98,10 +149,12 @@ std::optional<JsonNode> JsonNode::find(std::string_view key) const& {
   return node;
 }
 
-JsonNode JsonNode::operator[](std::size_t index) const& {
+JsonNode JsonNode::operator[](std::size_t index) const& { return entry(index, value_->at(index)); }
+
+JsonNode JsonNode::entry(std::size_t index, const nlohmann::json& value) const& {
   JsonNode node;
   node.document_ = document_;
-  node.value_ = &value_->at(index);
+  node.value_ = &value;
   node.parent_ = this;
   node.index_ = index;
   return node;
@@ -151,6 +204,11 @@ int JsonNode::whole_number(int low, int high) const {
     fail("is " + value_->dump() + "; it must be " + range);
   }
   return value_->get<int>();
+}
+
+bool JsonNode::boolean() const {
+  if (!value_->is_boolean()) fail_type("true or false");
+  return value_->get<bool>();
 }
 
 std::string JsonNode::text() const {

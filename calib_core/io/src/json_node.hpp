@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "raybundle/camera/camera.hpp"
 #include "raybundle/geometry/rigid3.hpp"
@@ -20,10 +21,17 @@ struct JsonDocument {
   nlohmann::json value;
 };
 
+/// An array at the top of a text that is too long to be parsed at once: its entries are, one by one.
+struct LongJsonArray {
+  std::string key;
+  std::vector<std::string_view> entries = {};  ///< texts, all of them objects
+};
+
 /// Parses a text.
 ///
+/// @param long_array  left out of the document, which has an empty array there, when all of its entries are objects
 /// @throws Error(kBadInput) with the line of the first mistake, or naming a key that an object has twice
-JsonDocument parse_json(std::string_view text, const std::string& name);
+JsonDocument parse_json(std::string_view text, const std::string& name, LongJsonArray* long_array = nullptr);
 
 /// A value in a document that knows its place, so that every complaint names line and key. A node points to the node it
 /// was taken from, which must stay where it is: nodes can only be taken from named variables.
@@ -38,6 +46,10 @@ class JsonNode {
   std::optional<JsonNode> find(std::string_view key) const&& = delete;
   JsonNode operator[](std::size_t index) const&& = delete;
 
+  /// An entry of an array that was left out of the document.
+  JsonNode entry(std::size_t index, const nlohmann::json& value) const&;
+  JsonNode entry(std::size_t index, const nlohmann::json& value) const&& = delete;
+
   std::size_t array_size() const;                                 ///< throws when this is no array
   void expect_array_size(std::size_t size) const;                 ///< throws when this is no array of that size
   std::vector<std::string> keys() const;                          ///< throws when this is no object
@@ -46,6 +58,7 @@ class JsonNode {
   double number() const;
   double positive_number() const;
   int whole_number(int low, int high) const;
+  bool boolean() const;
   std::string text() const;
   std::string name() const;  ///< a text that is not empty
   template <int size>

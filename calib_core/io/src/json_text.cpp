@@ -7,9 +7,12 @@
 namespace raybundle {
 namespace {
 
-// One line. Bytes that are not UTF-8 (from file names) are replaced: a report must not fail on them.
+// One line. Bytes that are not UTF-8 (from file names) are replaced: a report must not fail on them. "<", which in JSON
+// is always within a string, is spelt so that the text may stand in a <script> element as it is.
 std::string flat_text(const OrderedJson& value) {
-  return value.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
+  std::string text = value.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
+  for (std::size_t at = text.find('<'); at != text.npos; at = text.find('<', at)) text.replace(at, 1, "\\u003c");
+  return text;
 }
 
 bool holds_plain_values(const OrderedJson& value) {
@@ -33,10 +36,13 @@ void append(const LongArray& array, std::size_t indent, std::string& text) {
     text += "[]";
     return;
   }
+  constexpr std::size_t kFirst = 100;  // entries, by whose length room is made for all of them
+  const std::size_t begin = text.size();
   for (std::size_t i = 0; i < array.size; ++i) {
     text += i == 0 ? "[\n" : ",\n";
     text.append(indent + 2, ' ');
     text += flat_text(array.entry(i));
+    if (i == kFirst) text.reserve(begin + (text.size() - begin) / kFirst * array.size * 11 / 10);
   }
   text += '\n';
   text.append(indent, ' ');

@@ -25,7 +25,7 @@ struct LongArray {
 };
 
 /// JSON for people and programs: objects are indented, arrays of plain values, and objects of plain values in an array,
-/// stay on one line. Numbers have the shortest digits that bring back the same bits; what is not finite becomes null.
+/// stay on one line. Numbers have the shortest digits that bring back the same bits; what is not finite becomes null; no "<".
 ///
 /// @param lines  keys of arrays whose entries are written one a line, whatever they hold
 /// @param long_array  one more of them

@@ -94,25 +94,28 @@ std::vector<Observation> observations_from(const JsonNode& rows, const Target& t
   return observations;
 }
 
-void read_views(const JsonNode& nodes, const NameList& cameras, NameList& frames, bool frames_are_listed,
-                CalibrationProblem& problem) {
-  const int last_target = static_cast<int>(problem.targets.size()) - 1;
-  for (std::size_t i = 0; i < nodes.array_size(); ++i) {
-    const JsonNode node = nodes[i];
-    node.expect_keys({"camera", "frame", "target", "image", "points", "dots"});
-    const JsonNode frame = node.at("frame");
-    TargetView view;
-    view.camera = index_of(node.at("camera"), cameras);
-    view.frame = frames_are_listed ? index_of(frame, frames) : frames.index_of(frame.name());
-    if (const auto target = node.find("target")) view.target = target->whole_number(0, last_target);
-    if (const auto image = node.find("image")) view.image = image->text();
-    view.observations = observations_from(node.at("points"), problem.targets[view.target]);
-    if (const auto dots = node.find("dots")) {
-      if (!problem.laser) dots->fail("are there, but the file has no laser with rows and columns; add it");
-      view.dots = dots_from(*dots, problem.laser->grid);
-    }
-    problem.views.push_back(std::move(view));
+/// What the views of a file refer to.
+struct Named {
+  NameList cameras, frames;
+  bool frames_are_listed = false;
+};
+
+TargetView view_from(const JsonNode& node, Named& named, const CalibrationProblem& problem) {
+  node.expect_keys({"camera", "frame", "target", "image", "points", "dots"});
+  const JsonNode frame = node.at("frame");
+  TargetView view;
+  view.camera = index_of(node.at("camera"), named.cameras);
+  view.frame = named.frames_are_listed ? index_of(frame, named.frames) : named.frames.index_of(frame.name());
+  if (const auto target = node.find("target")) {
+    view.target = target->whole_number(0, static_cast<int>(problem.targets.size()) - 1);
   }
+  if (const auto image = node.find("image")) view.image = image->text();
+  view.observations = observations_from(node.at("points"), problem.targets[view.target]);
+  if (const auto dots = node.find("dots")) {
+    if (!problem.laser) dots->fail("are there, but the file has no laser with rows and columns; add it");
+    view.dots = dots_from(*dots, problem.laser->grid);
+  }
+  return view;
 }
 
 }  // namespace
@@ -138,7 +141,8 @@ std::string text_from_observations(const ObservationsFile& file) {
 }
 
 ObservationsFile observations_from_text(std::string_view text, const std::string& name) {
-  const JsonDocument document = parse_json(text, name);
+  LongJsonArray views{"views"};
+  const JsonDocument document = parse_json(text, name, &views);
   const JsonNode root(document);
   expect_format(root, kFormat, kVersion);
   root.expect_keys({"format", "version", "conventions", "targets", "cameras", "frames", "laser", "views"});
@@ -153,17 +157,25 @@ ObservationsFile observations_from_text(std::string_view text, const std::string
   if (file.problem.targets.empty()) targets.fail("is empty; there must be at least one target");
   read_cameras(root.at("cameras"), file);
 
-  NameList cameras, frames;
-  for (const ProblemCamera& camera : file.problem.cameras) cameras.index_of(camera.name);
+  Named named;
+  for (const ProblemCamera& camera : file.problem.cameras) named.cameras.index_of(camera.name);
   const auto listed = root.find("frames");
+  named.frames_are_listed = listed.has_value();
   for (std::size_t i = 0; listed && i < listed->array_size(); ++i) {
     const JsonNode frame = (*listed)[i];
-    if (frames.contains(frame.name())) frame.fail(in_quotes(frame.text()) + " stands twice; rename one frame");
-    frames.index_of(frame.text());
+    if (named.frames.contains(frame.name())) frame.fail(in_quotes(frame.text()) + " stands twice; rename one frame");
+    named.frames.index_of(frame.text());
   }
   if (const auto laser = root.find("laser")) file.problem.laser = laser_from(*laser);
-  read_views(root.at("views"), cameras, frames, listed.has_value(), file.problem);
-  file.problem.frames = frames.names();
+  const JsonNode nodes = root.at("views");
+  for (std::size_t i = 0; i < nodes.array_size(); ++i) {
+    file.problem.views.push_back(view_from(nodes[i], named, file.problem));
+  }
+  for (std::size_t i = 0; i < views.entries.size(); ++i) {
+    const nlohmann::json value = nlohmann::json::parse(views.entries[i].begin(), views.entries[i].end());
+    file.problem.views.push_back(view_from(nodes.entry(i, value), named, file.problem));
+  }
+  file.problem.frames = named.frames.names();
   check_as_part_of(name, file.problem);
   return file;
 }

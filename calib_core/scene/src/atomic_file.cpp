@@ -34,12 +34,14 @@ fs::path temporary_name(const fs::path& path) {
   return path.parent_path() / name.str();
 }
 
-bool write_all(int descriptor, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return false;
-    bytes.remove_prefix(static_cast<size_t>(written));
+bool write_all(int descriptor, const std::vector<std::string_view>& pieces) {
+  for (std::string_view bytes : pieces) {
+    while (!bytes.empty()) {
+      const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) return false;
+      bytes.remove_prefix(static_cast<size_t>(written));
+    }
   }
   return true;
 }
@@ -63,8 +65,8 @@ class PendingFile {
     if (named_) ::unlink(temporary_.c_str());
   }
 
-  void write(std::string_view bytes) {
-    if (!write_all(descriptor_, bytes) || ::fsync(descriptor_) != 0) fail(path_, errno);
+  void write(const std::vector<std::string_view>& pieces) {
+    if (!write_all(descriptor_, pieces) || ::fsync(descriptor_) != 0) fail(path_, errno);
   }
 
   /// Gives the whole file its temporary name: what may still fail for want of space.
@@ -86,10 +88,10 @@ class PendingFile {
   bool named_ = false;
 };
 
-void write_to_device(const fs::path& path, std::string_view bytes) {
+void write_to_device(const fs::path& path, const std::vector<std::string_view>& pieces) {
   const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
   if (descriptor < 0) fail(path, errno);
-  const int error_number = write_all(descriptor, bytes) ? 0 : errno;
+  const int error_number = write_all(descriptor, pieces) ? 0 : errno;
   ::close(descriptor);
   if (error_number != 0) fail(path, error_number);
 }
@@ -108,10 +110,10 @@ void write_files_whole(const std::vector<WholeFile>& files) {
       continue;
     }
     pending.push_back(std::make_unique<PendingFile>(file.path));
-    pending.back()->write(file.bytes);
+    pending.back()->write(file.pieces);
   }
   for (const auto& file : pending) file->name();
-  for (const WholeFile* device : devices) write_to_device(device->path, device->bytes);
+  for (const WholeFile* device : devices) write_to_device(device->path, device->pieces);
   for (const auto& file : pending) file->rename();
 }
 

@@ -3,6 +3,8 @@
 
 // Basalt's calibration.json. Source: basalt-headers serialization/headers_serialization.h, which wants every key that is
 // written here; T_imu_cam maps points of a camera into the body, here the first camera.
+#include <algorithm>
+
 #include "../json_node.hpp"
 #include "../json_text.hpp"
 #include "foreign_lens.hpp"
@@ -16,20 +18,22 @@ namespace {
 constexpr const char* kTranslation[] = {"px", "py", "pz"};
 constexpr const char* kRotation[] = {"qx", "qy", "qz", "qw"};
 
-std::vector<NamedText> write(const ForeignFormat& format, const std::vector<RigCamera>& rig) {
+std::vector<NamedText> write(const ForeignFormat& format, const std::vector<ForeignCamera>& rig) {
   OrderedJson places = OrderedJson::array(), lenses = OrderedJson::array(), sizes = OrderedJson::array();
   OrderedJson vignettes = OrderedJson::array();
-  for (const RigCamera& camera : rig) {
-    const Rigid3 first_from_camera = rig[0].camera_from_rig * camera.camera_from_rig.inverse();
+  for (const auto& [camera, lens] : rig) {
+    const Rigid3 first_from_camera = rig[0].camera.camera_from_rig * camera.camera_from_rig.inverse();
     OrderedJson place, parameters;
     for (int i = 0; i < 3; ++i) place[kTranslation[i]] = first_from_camera.translation[i];
     for (int i = 0; i < 4; ++i) place[kRotation[i]] = first_from_camera.rotation.coeffs()[i];
     const auto names = parameter_names(camera.camera.model);
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      parameters[std::string(names[i])] = camera.camera.parameters[static_cast<Eigen::Index>(i)];
+    const std::vector<int> without = parameters_without_place(*lens);
+    for (int i = 0; i < static_cast<int>(names.size()); ++i) {
+      if (std::ranges::find(without, i) != without.end()) continue;
+      parameters[std::string(names[static_cast<std::size_t>(i)])] = camera.camera.parameters[i];
     }
     places.push_back(place);
-    lenses.push_back({{"camera_type", lens_for(format, camera.camera)->name}, {"intrinsics", parameters}});
+    lenses.push_back({{"camera_type", lens->name}, {"intrinsics", parameters}});
     sizes.push_back({camera.camera.size.width, camera.camera.size.height});
   }
   const OrderedJson nine(9, 0.0), twelve(12, 0.0);
@@ -58,7 +62,7 @@ Camera camera_from(const ForeignFormat& format, const JsonNode& node, ImageSize 
   const std::vector<int> without = parameters_without_place(*lens);
   const auto names = parameter_names(lens->model);
   for (int i = 0; i < static_cast<int>(names.size()); ++i) {
-    if (std::find(without.begin(), without.end(), i) == without.end()) {
+    if (std::ranges::find(without, i) == without.end()) {
       camera.parameters[i] = intrinsics.at(names[static_cast<std::size_t>(i)]).number();
     }
   }
@@ -109,8 +113,7 @@ ForeignFormat basalt_format() {
                      foreign_lens("kb4", "kannala_brandt", "fx fy cx cy k1 k2 k3 k4"),
                      foreign_lens("ds", "double_sphere", "fx fy cx cy xi alpha"),
                      foreign_lens("eucm", "extended_unified", "fx fy cx cy alpha beta"),
-                     foreign_lens("ucm", "extended_unified", "fx fy cx cy alpha"),
-                     foreign_lens("fov", "field_of_view", "fx fy cx cy w")},
+                     foreign_lens("ucm", "extended_unified", "fx fy cx cy alpha")},
           .recognises = recognises,
           .write = write,
           .read = read};

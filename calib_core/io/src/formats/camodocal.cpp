@@ -45,24 +45,26 @@ std::string camera_text(const ForeignLens& lens, const RigCamera& camera) {
   return text;
 }
 
-std::string places_text(const std::vector<RigCamera>& rig) {
+std::string file_of(const RigCamera& camera) { return file_stem(camera.name) + ".yaml"; }
+
+// camN_calib, as VINS-Fusion has it, says of which file body_T_camN is.
+std::string places_text(const std::vector<ForeignCamera>& rig) {
   std::string text = "%YAML:1.0\n---\n";
   for (std::size_t i = 0; i < rig.size(); ++i) {
-    const Rigid3 first_from_camera = rig[0].camera_from_rig * rig[i].camera_from_rig.inverse();
+    const Rigid3 first_from_camera = rig[0].camera.camera_from_rig * rig[i].camera.camera_from_rig.inverse();
     Eigen::Matrix<double, 4, 4, Eigen::RowMajor> matrix = Eigen::Matrix4d::Identity();
     matrix.topLeftCorner<3, 3>() = first_from_camera.rotation.toRotationMatrix();
     matrix.topRightCorner<3, 1>() = first_from_camera.translation;
+    text += fmt::format("cam{}_calib: {}\n", i, quoted(file_of(rig[i].camera)));
     text += fmt::format("body_T_cam{}: !!opencv-matrix\n   rows: 4\n   cols: 4\n   dt: d\n   data: {}\n", i,
                         list_text({matrix.data(), matrix.data() + 16}));
   }
   return text;
 }
 
-std::vector<NamedText> write(const ForeignFormat& format, const std::vector<RigCamera>& rig) {
+std::vector<NamedText> write(const ForeignFormat&, const std::vector<ForeignCamera>& rig) {
   std::vector<NamedText> files;
-  for (const RigCamera& camera : rig) {
-    files.push_back({camera.name + ".yaml", camera_text(*lens_for(format, camera.camera), camera)});
-  }
+  for (const auto& [camera, lens] : rig) files.push_back({file_of(camera), camera_text(*lens, camera)});
   if (rig.size() > 1) files.push_back({"extrinsics.yaml", places_text(rig)});
   return files;
 }
@@ -81,36 +83,39 @@ RigCamera camera_from(const ForeignFormat& format, const NamedText& file) {
   const auto [camera, fault] = camera_from_values(*lens, size, values);
   if (!fault.empty()) root.at("projection_parameters").fail(fault);
   const auto name = root.find("camera_name");
-  return {name ? name->text() : numbered_camera(0), camera, Rigid3{}};
+  return {name ? name->text() : stem_of(file.name), camera, Rigid3{}};
 }
 
 bool is_places(const NamedText& file) { return file.text.find("body_T_cam") != std::string::npos; }
 
-// The places of as many cameras as there are.
-void read_places(const NamedText& file, std::vector<RigCamera>& rig) {
-  const YamlNode root = YamlNode::parse(file);
-  for (std::size_t i = 0; i < rig.size(); ++i) {
-    const YamlNode node = root.at(fmt::format("body_T_cam{}", i));
+// The cameras in the order of their places, which name the file of each.
+std::vector<RigCamera> placed(const NamedText& places, std::span<const NamedText> files, const ForeignFormat& format) {
+  const YamlNode root = YamlNode::parse(places);
+  std::vector<RigCamera> rig;
+  for (std::size_t i = 0; root.find(fmt::format("body_T_cam{}", i)); ++i) {
+    const YamlNode node = root.at(fmt::format("body_T_cam{}", i)), calib = root.at(fmt::format("cam{}_calib", i));
+    const auto file = std::ranges::find_if(files, [&](const NamedText& other) {
+      return &other != &places && stem_of(other.name) == stem_of(calib.text());
+    });
+    if (file == files.end()) calib.fail("names a file that was not given; name it too");
     const std::vector<double> data = node.at("data").numbers(16);
     const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> matrix(data.data());
-    rig[i].camera_from_rig = rigid3_from(node, matrix.topLeftCorner<3, 3>(), matrix.topRightCorner<3, 1>()).inverse();
+    rig.push_back(camera_from(format, *file));
+    rig.back().camera_from_rig =
+        rigid3_from(node, matrix.topLeftCorner<3, 3>(), matrix.topRightCorner<3, 1>()).inverse();
   }
+  if (rig.empty()) root.at("body_T_cam0");
+  return rig;
 }
 
 std::vector<RigCamera> read(const ForeignFormat& format, std::span<const NamedText> files) {
-  std::vector<RigCamera> rig;
-  for (const NamedText& file : files) {
-    if (!is_places(file)) rig.push_back(camera_from(format, file));
-  }
   const auto places = std::ranges::find_if(files, is_places);
-  if (rig.empty()) throw Error(ErrorKind::kBadInput, "has no camera; name the files of the cameras too", files[0].name);
-  if (places != files.end()) {
-    read_places(*places, rig);
-  } else if (rig.size() > 1) {
-    throw Error(ErrorKind::kBadInput, "does not say where a camera stands; name a file with body_T_cam0, ... too",
-                files[0].name);
+  if (places != files.end()) return placed(*places, files, format);
+  if (files.size() > 1) {
+    throw Error(ErrorKind::kBadInput,
+                "does not say where a camera stands; name a file with cam0_calib, body_T_cam0, ... too", files[0].name);
   }
-  return rig;
+  return {camera_from(format, files[0])};
 }
 
 bool recognises(std::string_view text) {

@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <map>
 #include <sstream>
 
 #include "../json_node.hpp"
@@ -31,27 +32,25 @@ Camera shifted(Camera camera, double by_px) {
   return camera;
 }
 
-std::string prefix_of(const std::string& camera) { return camera + "/"; }
-
-std::vector<NamedText> write(const ForeignFormat& format, const std::vector<RigCamera>& rig) {
+std::vector<NamedText> write(const ForeignFormat&, const std::vector<ForeignCamera>& rig) {
   std::string text = "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n";
   OrderedJson cameras = OrderedJson::array();
   for (std::size_t i = 0; i < rig.size(); ++i) {
-    const Camera& camera = rig[i].camera;
-    const ForeignLens& lens = *lens_for(format, camera);
-    const std::vector<double> values = values_of(lens, shifted(camera, kHalfPixel));
-    text += fmt::format("{} {} {} {} {}\n", i + 1, lens.name, camera.size.width, camera.size.height,
+    const auto& [rig_camera, lens] = rig[i];
+    const Camera& camera = rig_camera.camera;
+    const std::vector<double> values = values_of(*lens, shifted(camera, kHalfPixel));
+    text += fmt::format("{} {} {} {} {}\n", i + 1, lens->name, camera.size.width, camera.size.height,
                         fmt::join(values, " "));
-    OrderedJson entry{{"image_prefix", prefix_of(rig[i].name)}};
+    OrderedJson entry{{"image_prefix", file_stem(rig_camera.name) + "/"}};
     if (i == 0) {
       entry["ref_sensor"] = true;
     } else {
-      const Rigid3 place = rig[i].camera_from_rig * rig[0].camera_from_rig.inverse();
+      const Rigid3 place = rig_camera.camera_from_rig * rig[0].camera.camera_from_rig.inverse();
       const Eigen::Quaterniond& q = place.rotation;
       entry["cam_from_rig_rotation"] = {q.w(), q.x(), q.y(), q.z()};
       entry["cam_from_rig_translation"] = json_from_vector(place.translation);
     }
-    entry["camera_model_name"] = lens.name;
+    entry["camera_model_name"] = lens->name;
     entry["camera_params"] = values;
     cameras.push_back(entry);
   }
@@ -60,37 +59,47 @@ std::vector<NamedText> write(const ForeignFormat& format, const std::vector<RigC
   return files;
 }
 
-// CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]
-Camera camera_from(const ForeignFormat& format, const std::string& line, const std::string& where) {
-  const auto fail = [&](const std::string& what) { throw Error(ErrorKind::kBadInput, what + "; correct it", where); };
-  std::istringstream words(line);
-  std::string id, model, word;
-  words >> id >> model;
-  std::vector<double> numbers;
-  while (words >> word) {
-    const auto number = number_from<double>(word);
-    if (!number) fail(in_quotes(word) + " is no number");
-    numbers.push_back(*number);
-  }
-  const bool sized = numbers.size() > 2 && std::all_of(numbers.begin(), numbers.begin() + 2, [](double side) {
-                       return side >= 1 && side <= kMaxImageSide && side == static_cast<int>(side);
-                     });
-  if (!sized) fail("has to be CAMERA_ID, MODEL, WIDTH, HEIGHT and parameters");
-  const ForeignLens* lens = lens_named(format, model, numbers.size() - 2);
-  if (lens == nullptr) fail("the model is " + in_quotes(model) + "; known: " + known_lenses(format));
-  const auto [camera, fault] = camera_from_values(*lens, {static_cast<int>(numbers[0]), static_cast<int>(numbers[1])},
-                                                  {numbers.begin() + 2, numbers.end()});
-  if (!fault.empty()) fail("the camera, " + model + ", " + fault);
+[[noreturn]] void fail(const std::string& what, const std::string& where) {
+  throw Error(ErrorKind::kBadInput, what + "; correct it", where);
+}
+
+Camera camera_from(const ForeignFormat& format, const std::string& model, ImageSize size,
+                   const std::vector<double>& values, const std::string& where) {
+  const ForeignLens* lens = lens_named(format, model, values.size());
+  if (lens == nullptr) fail("the model is " + in_quotes(model) + "; known: " + known_lenses(format), where);
+  const auto [camera, fault] = camera_from_values(*lens, size, values);
+  if (!fault.empty()) fail("the camera, " + model + ", " + fault, where);
   return shifted(camera, -kHalfPixel);
 }
 
-void read_cameras(const ForeignFormat& format, const NamedText& file, std::vector<RigCamera>& rig) {
+// CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]
+std::pair<int, Camera> camera_of_line(const ForeignFormat& format, const std::string& line, const std::string& where) {
+  std::istringstream words(line);
+  std::string id, model, word;
+  words >> id >> model;
+  const auto number = number_from<int>(id);
+  std::vector<double> values;
+  while (words >> word) {
+    const auto value = number_from<double>(word);
+    if (!value) fail(in_quotes(word) + " is no number", where);
+    values.push_back(*value);
+  }
+  const bool sized = number && values.size() > 2 && std::all_of(values.begin(), values.begin() + 2, [](double side) {
+                       return side >= 1 && side <= kMaxImageSide && side == static_cast<int>(side);
+                     });
+  if (!sized) fail("has to be CAMERA_ID, MODEL, WIDTH, HEIGHT and parameters", where);
+  return {*number, camera_from(format, model, {static_cast<int>(values[0]), static_cast<int>(values[1])},
+                               {values.begin() + 2, values.end()}, where)};
+}
+
+void read_cameras(const ForeignFormat& format, const NamedText& file, std::map<int, Camera>& cameras) {
   std::istringstream lines(file.text);
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
     if (line.find_first_not_of(" \t\r") == line.npos || line.front() == '#') continue;
-    rig.push_back(
-        {numbered_camera(rig.size()), camera_from(format, line, file.name + ":" + std::to_string(number)), Rigid3{}});
+    const std::string where = file.name + ":" + std::to_string(number);
+    const auto [id, camera] = camera_of_line(format, line, where);
+    if (!cameras.emplace(id, camera).second) fail("camera " + std::to_string(id) + " stands twice", where);
   }
 }
 
@@ -98,11 +107,27 @@ Rigid3 place_from(const JsonNode& node) {
   const JsonNode rotation = node.at("cam_from_rig_rotation");
   const Eigen::Vector4d q = rotation.vector<4>();
   if (!(std::abs(q.norm() - 1.0) < 1e-3)) rotation.fail("is not a unit quaternion; correct it");
-  return {Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(), node.at("cam_from_rig_translation").vector<3>()};
+  const JsonNode translation = node.at("cam_from_rig_translation");
+  return {Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(), translation.vector<3>()};
+}
+
+// What the rig says of the lens has to be what cameras.txt says of the camera in the same place of its order.
+void expect_same_lens(const ForeignFormat& format, const JsonNode& node, const Camera& camera) {
+  const auto model = node.find("camera_model_name");
+  const auto parameters = node.find("camera_params");
+  if (!model || !parameters) return;
+  std::vector<double> values;
+  for (std::size_t i = 0; i < parameters->array_size(); ++i) {
+    const JsonNode value = (*parameters)[i];
+    values.push_back(value.number());
+  }
+  const Camera said = camera_from(format, model->text(), camera.size, values, "camera_params");
+  if (said.model == camera.model && said.parameters.isApprox(camera.parameters, 1e-9)) return;
+  parameters->fail("are not those of the camera in the same place of cameras.txt; put both in the same order");
 }
 
 // Names and places of the cameras that cameras.txt has in the same order.
-void read_rig(const NamedText& file, std::vector<RigCamera>& rig) {
+void read_rig(const ForeignFormat& format, const NamedText& file, std::vector<RigCamera>& rig) {
   const JsonDocument document = parse_json(file.text, file.name);
   const JsonNode root(document);
   root.expect_array_size(1);
@@ -111,25 +136,30 @@ void read_rig(const NamedText& file, std::vector<RigCamera>& rig) {
   cameras.expect_array_size(rig.size());
   for (std::size_t i = 0; i < rig.size(); ++i) {
     const JsonNode node = cameras[i];
-    std::string name = node.at("image_prefix").name();
+    expect_same_lens(format, node, rig[i].camera);
+    const JsonNode prefix = node.at("image_prefix");
+    std::string name = prefix.name();
     while (name.ends_with('/')) name.pop_back();
     if (!name.empty()) rig[i].name = name.substr(name.find_last_of('/') + 1);
-    if (!node.find("ref_sensor")) rig[i].camera_from_rig = place_from(node);
+    const auto reference = node.find("ref_sensor");
+    if (!reference || !reference->boolean()) rig[i].camera_from_rig = place_from(node);
   }
 }
 
 std::vector<RigCamera> read(const ForeignFormat& format, std::span<const NamedText> files) {
   const auto is_rig = [](const NamedText& file) { return file.text.find("\"cameras\"") != std::string::npos; };
-  std::vector<RigCamera> rig;
+  std::map<int, Camera> cameras;  // by id
   for (const NamedText& file : files) {
-    if (!is_rig(file)) read_cameras(format, file, rig);
+    if (!is_rig(file)) read_cameras(format, file, cameras);
   }
-  if (rig.empty()) {
+  if (cameras.empty()) {
     throw Error(ErrorKind::kBadInput, std::string("has no cameras; name ") + kCameras + " too", files[0].name);
   }
+  std::vector<RigCamera> rig;
+  for (const auto& [id, camera] : cameras) rig.push_back({numbered_camera(rig.size()), camera, Rigid3{}});
   const auto placed = std::ranges::find_if(files, is_rig);
   if (placed != files.end()) {
-    read_rig(*placed, rig);
+    read_rig(format, *placed, rig);
   } else if (rig.size() > 1) {
     throw Error(ErrorKind::kBadInput,
                 std::string("has several cameras, but not where they stand; name ") + kRig + " too", files[0].name);
@@ -152,14 +182,14 @@ ForeignFormat colmap_format() {
                      foreign_lens("OPENCV", "brown_conrady", "fx fy cx cy k1 k2 p1 p2"),
                      foreign_lens("FULL_OPENCV", "rational", "fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6"),
                      foreign_lens("FULL_OPENCV", "brown_conrady", "fx fy cx cy k1 k2 p1 p2 k3 0 0 0"),
-                     foreign_lens("OPENCV_FISHEYE", "kannala_brandt", "fx fy cx cy k1 k2 k3 k4"),
-                     foreign_lens("FOV", "field_of_view", "fx fy cx cy w"),
+                     foreign_lens("OPENCV_FISHEYE", "kannala_brandt", "fx fy cx cy k1 k2 k3 k4", kBeforeTheCamera),
+                     foreign_lens("FOV", "field_of_view", "fx fy cx cy w", kBeforeTheCamera),
                      foreign_lens("EUCM", "extended_unified", "fx fy cx cy alpha beta"),
                      foreign_lens("SIMPLE_PINHOLE", "pinhole", "f cx cy"),
                      foreign_lens("SIMPLE_RADIAL", "brown_conrady", "f cx cy k1"),
                      foreign_lens("RADIAL", "brown_conrady", "f cx cy k1 k2"),
-                     foreign_lens("SIMPLE_RADIAL_FISHEYE", "kannala_brandt", "f cx cy k1"),
-                     foreign_lens("RADIAL_FISHEYE", "kannala_brandt", "f cx cy k1 k2")},
+                     foreign_lens("SIMPLE_RADIAL_FISHEYE", "kannala_brandt", "f cx cy k1", kBeforeTheCamera),
+                     foreign_lens("RADIAL_FISHEYE", "kannala_brandt", "f cx cy k1 k2", kBeforeTheCamera)},
           .recognises = recognises,
           .write = write,
           .read = read};

@@ -33,8 +33,8 @@ std::vector<std::string_view> places_of(const ForeignLens& lens) {
 
 }  // namespace
 
-ForeignLens foreign_lens(std::string_view name, std::string_view model, std::string_view places) {
-  return {name, *model_named(model), places};
+ForeignLens foreign_lens(std::string_view name, std::string_view model, std::string_view places, double max_angle_rad) {
+  return {name, *model_named(model), places, max_angle_rad};
 }
 
 std::vector<int> parameters_without_place(const ForeignLens& lens) {
@@ -80,15 +80,19 @@ std::pair<Camera, std::string> camera_from_values(const ForeignLens& lens, Image
   return {camera, ""};
 }
 
-const ForeignLens* lens_for(const ForeignFormat& format, const Camera& camera) {
+bool holds(const ForeignFormat& format, const ForeignLens& lens, const Camera& camera) {
+  if (lens.model != camera.model) return false;
+  if (lens.places.starts_with("f ") && camera.fx() != camera.fy()) return false;
+  if (format.takes != nullptr && !format.takes(lens, camera)) return false;
   const Camera start = start_camera(camera.model, camera.size, 1.0);
-  for (const ForeignLens& lens : format.lenses) {
-    if (lens.model != camera.model) continue;
-    if (lens.places.starts_with("f ") && camera.fx() != camera.fy()) continue;
-    const std::vector<int> without = parameters_without_place(lens);
-    if (std::ranges::all_of(without, [&](int i) { return camera.parameters[i] == start.parameters[i]; })) return &lens;
-  }
-  return nullptr;
+  return std::ranges::all_of(parameters_without_place(lens),
+                             [&](int i) { return camera.parameters[i] == start.parameters[i]; });
+}
+
+const ForeignLens* lens_for(const ForeignFormat& format, const Camera& camera) {
+  const auto found =
+      std::ranges::find_if(format.lenses, [&](const ForeignLens& lens) { return holds(format, lens, camera); });
+  return found == format.lenses.end() ? nullptr : &*found;
 }
 
 const ForeignLens* lens_named(const ForeignFormat& format, std::string_view name, std::size_t values) {
@@ -123,6 +127,19 @@ std::string list_text(const std::vector<double>& values) {
 
 std::string quoted(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::string file_stem(const std::string& camera) {
+  std::string stem = camera;
+  for (char& c : stem) {
+    if (c == '/' || static_cast<unsigned char>(c) <= ' ') c = '_';
+  }
+  return stem;
+}
+
+std::string stem_of(const std::string& path) {
+  const std::string name = path.substr(path.find_last_of('/') + 1);
+  return name.substr(0, name.find_last_of('.'));
 }
 
 std::string numbered_camera(std::size_t index) { return fmt::format("cam{}", index); }

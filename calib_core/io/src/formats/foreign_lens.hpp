@@ -10,7 +10,11 @@
 namespace raybundle {
 
 /// The lens of a model of ours that has a parameter at each of the places.
-ForeignLens foreign_lens(std::string_view name, std::string_view model, std::string_view places);
+ForeignLens foreign_lens(std::string_view name, std::string_view model, std::string_view places,
+                         double max_angle_rad = std::numbers::pi);
+
+/// Of lenses that are programmed with x / z: nothing behind the camera.
+inline constexpr double kBeforeTheCamera = std::numbers::pi / 2.0;
 
 /// Their parameters of a camera that lens_for() the format holds.
 std::vector<double> values_of(const ForeignLens& lens, const Camera& camera);
@@ -35,6 +39,12 @@ std::string list_text(const std::vector<double>& values);
 
 /// A text in double quotes, as JSON and YAML read it.
 std::string quoted(const std::string& text);
+
+/// The name of a camera as that of a file: slashes, blanks and control characters become underscores.
+std::string file_stem(const std::string& camera);
+
+/// left.yaml, in whatever folder: left.
+std::string stem_of(const std::string& path);
 
 /// What cameras are called in files that do not name them.
 std::string numbered_camera(std::size_t index);

@@ -19,28 +19,20 @@ namespace {
 
 constexpr const char* kEnding = ".cameramodel";
 
-std::vector<NamedText> write(const ForeignFormat& format, const std::vector<RigCamera>& rig) {
+std::vector<NamedText> write(const ForeignFormat&, const std::vector<ForeignCamera>& rig) {
   std::vector<NamedText> files;
-  for (const RigCamera& camera : rig) {
-    const ForeignLens& lens = *lens_for(format, camera.camera);
-    const Rigid3 camera_from_first = camera.camera_from_rig * rig[0].camera_from_rig.inverse();
+  for (const auto& [camera, lens] : rig) {
+    const Rigid3 camera_from_first = camera.camera_from_rig * rig[0].camera.camera_from_rig.inverse();
     const Eigen::Vector3d r = vector_from_rotation(camera_from_first.rotation.toRotationMatrix());
     const Eigen::Vector3d& t = camera_from_first.translation;
-    files.push_back(
-        {camera.name + kEnding, fmt::format("{{\n    'lensmodel': '{}',\n    'intrinsics': {},\n    'extrinsics': {},\n"
-                                            "    'imagersize': [{}, {}],\n}}\n",
-                                            lens.name, list_text(values_of(lens, camera.camera)),
-                                            list_text({r.x(), r.y(), r.z(), t.x(), t.y(), t.z()}),
-                                            camera.camera.size.width, camera.camera.size.height)});
+    files.push_back({file_stem(camera.name) + kEnding,
+                     fmt::format("{{\n    'lensmodel': '{}',\n    'intrinsics': {},\n    'extrinsics': {},\n"
+                                 "    'imagersize': [{}, {}],\n}}\n",
+                                 lens->name, list_text(values_of(*lens, camera.camera)),
+                                 list_text({r.x(), r.y(), r.z(), t.x(), t.y(), t.z()}), camera.camera.size.width,
+                                 camera.camera.size.height)});
   }
   return files;
-}
-
-// left.cameramodel, in whatever folder: left.
-std::string name_of(const std::string& path) {
-  std::string name = path.substr(path.find_last_of('/') + 1);
-  if (name.ends_with(kEnding)) name.resize(name.size() - std::string_view(kEnding).size());
-  return name;
 }
 
 // Without values like b'...': the whole solve, in base 85, which no camera needs and which is no YAML.
@@ -67,7 +59,7 @@ RigCamera camera_from(const ForeignFormat& format, const NamedText& file) {
   if (!fault.empty()) intrinsics.fail("of " + model.text() + " " + fault);
   const auto place = root.find_first({"rt_cam_ref", "extrinsics"});
   const std::vector<double> rt = (place ? *place : root.at("extrinsics")).numbers(6);
-  return {name_of(file.name),
+  return {stem_of(file.name),
           camera,
           {Eigen::Quaterniond(rotation_from_vector({rt[0], rt[1], rt[2]})), {rt[3], rt[4], rt[5]}}};
 }

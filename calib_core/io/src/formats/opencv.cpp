@@ -23,28 +23,27 @@ std::string matrix_text(const char* key, int rows, int columns, const std::vecto
                      list_text(data));
 }
 
-std::vector<NamedText> write(const ForeignFormat& format, const std::vector<RigCamera>& rig) {
+std::vector<NamedText> write(const ForeignFormat&, const std::vector<ForeignCamera>& rig) {
   std::vector<NamedText> files;
-  for (const RigCamera& rig_camera : rig) {
+  for (const auto& [rig_camera, lens] : rig) {
     const Camera& camera = rig_camera.camera;
-    const ForeignLens& lens = *lens_for(format, camera);
-    std::vector<double> values = values_of(lens, camera);
+    std::vector<double> values = values_of(*lens, camera);
     std::string text = fmt::format("%YAML:1.0\n---\ncamera_name: {}\nimage_width: {}\nimage_height: {}\n",
                                    quoted(rig_camera.name), camera.size.width, camera.size.height);
-    text += fmt::format("fisheye_model: {}\n", lens.name == kFisheye ? 1 : 0);
-    if (lens.name == kOmnidir) {
+    text += fmt::format("fisheye_model: {}\n", lens->name == kFisheye ? 1 : 0);
+    if (lens->name == kOmnidir) {
       text += "xi: " + real_text(values.front()) + "\n";
       values.erase(values.begin());
     }
     text += matrix_text("camera_matrix", 3, 3, {camera.fx(), 0, camera.cx(), 0, camera.fy(), camera.cy(), 0, 0, 1});
     const std::vector<double> coefficients(values.begin() + 4, values.end());
     text += matrix_text("distortion_coefficients", static_cast<int>(coefficients.size()), 1, coefficients);
-    const Rigid3 camera_from_first = rig_camera.camera_from_rig * rig[0].camera_from_rig.inverse();
+    const Rigid3 camera_from_first = rig_camera.camera_from_rig * rig[0].camera.camera_from_rig.inverse();
     const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rotation = camera_from_first.rotation.toRotationMatrix();
     const Eigen::Vector3d& place = camera_from_first.translation;
     text += matrix_text("R", 3, 3, {rotation.data(), rotation.data() + 9});
     text += matrix_text("T", 3, 1, {place.data(), place.data() + 3});
-    files.push_back({rig_camera.name + ".yml", text});
+    files.push_back({file_stem(rig_camera.name) + ".yml", text});
   }
   return files;
 }
@@ -116,7 +115,7 @@ ForeignFormat opencv_format() {
                      foreign_lens("rational_polynomial", "rational", "fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6"),
                      foreign_lens("thin_prism", "thin_prism", "fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4"),
                      foreign_lens("thin_prism", "thin_prism", "fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 0 0"),
-                     foreign_lens(kFisheye, "kannala_brandt", "fx fy cx cy k1 k2 k3 k4"),
+                     foreign_lens(kFisheye, "kannala_brandt", "fx fy cx cy k1 k2 k3 k4", kBeforeTheCamera),
                      foreign_lens(kOmnidir, "unified", "xi fx fy cx cy k1 k2 p1 p2")},
           .recognises = recognises,
           .write = write,

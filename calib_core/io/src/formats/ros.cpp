@@ -44,26 +44,37 @@ Eigen::Vector3d roll_pitch_yaw(const Eigen::Matrix3d& rotation) {
   return {std::atan2(rotation(2, 1), rotation(2, 2)), pitch, std::atan2(rotation(1, 0), rotation(0, 0))};
 }
 
+std::string in_xml(const std::string& name) {
+  std::string text;
+  for (const char c : file_stem(name)) {
+    text += c == '<' ? "&lt;" : c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
+  }
+  return text;
+}
+
 // Frames as ROS calls them: optical ones, x right, y down, z forward.
-std::string urdf(const std::vector<RigCamera>& rig) {
+std::string urdf(const std::vector<ForeignCamera>& rig) {
   std::string text = "<?xml version=\"1.0\"?>\n<robot name=\"rig\">\n";
-  for (const RigCamera& camera : rig) text += fmt::format("  <link name=\"{}_optical_frame\"/>\n", camera.name);
+  for (const auto& [camera, lens] : rig) {
+    text += fmt::format("  <link name=\"{}_optical_frame\"/>\n", in_xml(camera.name));
+  }
   for (std::size_t i = 1; i < rig.size(); ++i) {
-    const Rigid3 first_from_camera = rig[0].camera_from_rig * rig[i].camera_from_rig.inverse();
+    const Rigid3 first_from_camera = rig[0].camera.camera_from_rig * rig[i].camera.camera_from_rig.inverse();
     const Eigen::Vector3d angles = roll_pitch_yaw(first_from_camera.rotation.toRotationMatrix());
     const Eigen::Vector3d& place = first_from_camera.translation;
     text += fmt::format(
         "  <joint name=\"{0}_joint\" type=\"fixed\">\n    <parent link=\"{1}_optical_frame\"/>\n"
         "    <child link=\"{0}_optical_frame\"/>\n    <origin xyz=\"{2} {3} {4}\" rpy=\"{5} {6} {7}\"/>\n  </joint>\n",
-        rig[i].name, rig[0].name, place.x(), place.y(), place.z(), angles.x(), angles.y(), angles.z());
+        in_xml(rig[i].camera.name), in_xml(rig[0].camera.name), place.x(), place.y(), place.z(), angles.x(), angles.y(),
+        angles.z());
   }
   return text + "</robot>\n";
 }
 
-std::vector<NamedText> write(const ForeignFormat& format, const std::vector<RigCamera>& rig) {
+std::vector<NamedText> write(const ForeignFormat&, const std::vector<ForeignCamera>& rig) {
   std::vector<NamedText> files;
-  for (const RigCamera& camera : rig) {
-    files.push_back({camera.name + ".yaml", camera_info(*lens_for(format, camera.camera), camera)});
+  for (const auto& [camera, lens] : rig) {
+    files.push_back({file_stem(camera.name) + ".yaml", camera_info(*lens, camera)});
   }
   if (rig.size() > 1) files.push_back({"rig.urdf", urdf(rig)});
   return files;
@@ -74,6 +85,11 @@ RigCamera camera_from(const ForeignFormat& format, const YamlNode& root) {
   const std::vector<double> k = root.at("camera_matrix").at("data").numbers(9);
   if (k[1] != 0.0) root.at("camera_matrix").fail("has a skew, which no lens here has");
   const auto model = root.find("distortion_model");
+  if (const auto ignored = root.find("camera_model"); ignored && !model) {
+    ignored->fail(
+        "is not what ROS reads: it takes such a file for plumb_bob; write distortion_model: equidistant for "
+        "a fisheye, or plumb_bob");
+  }
   const std::string name = model ? model->text() : "plumb_bob";  // as ROS takes a file without one
   const YamlNode coefficients = root.at("distortion_coefficients").at("data");
   std::vector<double> values{k[0], k[4], k[2], k[5]};
@@ -112,8 +128,9 @@ ForeignFormat ros_format() {
           .lenses = {foreign_lens("plumb_bob", "brown_conrady", "fx fy cx cy k1 k2 p1 p2 k3"),
                      foreign_lens("plumb_bob", "brown_conrady", "fx fy cx cy k1 k2 p1 p2"),
                      foreign_lens("plumb_bob", "pinhole", "fx fy cx cy 0 0 0 0 0"),
+                     foreign_lens("plumb_bob", "pinhole", "fx fy cx cy"),
                      foreign_lens("rational_polynomial", "rational", "fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6"),
-                     foreign_lens("equidistant", "kannala_brandt", "fx fy cx cy k1 k2 k3 k4")},
+                     foreign_lens("equidistant", "kannala_brandt", "fx fy cx cy k1 k2 k3 k4", kBeforeTheCamera)},
           .recognises = recognises,
           .write = write,
           .read = read};

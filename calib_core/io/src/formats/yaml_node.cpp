@@ -3,6 +3,7 @@
 #include "yaml_node.hpp"
 
 #include <cmath>
+#include <set>
 
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/rotation.hpp"
@@ -25,12 +26,34 @@ YamlNode YamlNode::parse(const NamedText& file) {
   std::string text = file.text;
   if (text.starts_with(kOpenCvHead)) text.front() = '#';
   try {
-    const YamlNode root(YAML::Load(text), file.name, "");
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() != 1) {
+      throw Error(ErrorKind::kBadInput, "has to hold one YAML document; is this the right file?", file.name);
+    }
+    const YamlNode root(documents[0], file.name, "");
+    int nodes = 0;
+    root.refuse_keys_that_stand_twice(nodes);
     if (!root.node_.IsMap()) throw Error(ErrorKind::kBadInput, "has no keys; is this the right file?", file.name);
     return root;
   } catch (const YAML::Exception& error) {
     throw Error(ErrorKind::kBadInput, "this is not valid YAML: " + error.msg + "; correct it or write the file again",
                 place(file.name, error.mark));
+  }
+}
+
+void YamlNode::refuse_keys_that_stand_twice(int& nodes) const {
+  constexpr int kMostNodes = 100'000;  // aliases may stand for themselves
+  if (++nodes > kMostNodes) fail("has too many values for a calibration; is this the right file?");
+  if (node_.IsSequence()) {
+    for (const YAML::Node& entry : node_) YamlNode(entry, file_, path_).refuse_keys_that_stand_twice(nodes);
+  }
+  if (!node_.IsMap()) return;
+  std::set<std::string> seen;
+  for (const auto& item : node_) {
+    const std::string key = item.first.IsScalar() ? item.first.Scalar() : "";
+    const YamlNode value(item.second, file_, path_.empty() ? key : path_ + "." + key);
+    if (!seen.insert(key).second) value.fail("stands twice; leave one out");
+    value.refuse_keys_that_stand_twice(nodes);
   }
 }
 

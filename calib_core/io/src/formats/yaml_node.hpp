@@ -44,6 +44,8 @@ class YamlNode {
   YamlNode(const YAML::Node& node, std::string file, std::string path)
       : node_(node), file_(std::move(file)), path_(std::move(path)) {}
 
+  void refuse_keys_that_stand_twice(int& nodes) const;  ///< counts values
+
   YAML::Node node_;
   std::string file_;
   std::string path_;

@@ -35,6 +35,7 @@ struct ReportExtra {
 
 /// The text of report.json: everything that a report needs. Format: docs/formats/report.md,
 /// docs/schemas/report.schema.json. Numbers that do not exist (the residual of a point that does not project) are null.
+/// It has no "<", so that it may stand in a page as it is.
 std::string text_from_report(const CalibrationProblem& problem, const CalibrationResult& result,
                              const ReportExtra& extra = {});
 

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace raybundle {
@@ -18,8 +19,12 @@ void write_file_whole(const std::filesystem::path& path, std::string_view bytes)
 
 /// A file that is to be written.
 struct WholeFile {
+  WholeFile(std::filesystem::path file, std::string_view bytes) : path(std::move(file)), pieces{bytes} {}
+  WholeFile(std::filesystem::path file, std::vector<std::string_view> bytes)
+      : path(std::move(file)), pieces(std::move(bytes)) {}
+
   std::filesystem::path path;
-  std::string_view bytes;  ///< of the caller, who keeps them
+  std::vector<std::string_view> pieces;  ///< one behind the other, of the caller, who keeps them
 };
 
 /// Writes files that belong together: none of them changes its name before all of them lie whole on the disk, so that

@@ -22,8 +22,7 @@ struct FieldOfView {
   static constexpr std::array<double, 1> kStartShape{0.92729521800161219};
   static constexpr std::array kExamples{ExampleShape<1>{{0.92}, 1.8}, ExampleShape<1>{{1.4}, 1.6},
                                         ExampleShape<1>{{0.3}, 1.2}, ExampleShape<1>{{1e-7}, 1.0}};
-  static constexpr std::array kForeignNames{ForeignName{"kalibr", "pinhole-fov"}, ForeignName{"basalt", "fov"},
-                                            ForeignName{"colmap", "FOV"}};
+  static constexpr std::array kForeignNames{ForeignName{"kalibr", "pinhole-fov"}, ForeignName{"colmap", "FOV"}};
 
   template <typename T>
   static bool plane_from_ray(const T* shape, const T* ray, T* plane) {
