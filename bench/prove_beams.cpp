@@ -5,11 +5,14 @@
 // allows: one world of cameras, boards and beams, observed again and again with other noise of 0.1 px, each time solved
 // for everything. The bound is the covariance at the truth.
 // usage: prove_beams [seeds, default 200] [frames, default 20]
+#include <fmt/format.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 #include <vector>
 
 #include "laser_world.hpp"
@@ -128,9 +131,8 @@ bool print(const char* name, const World& world, int seeds) {
   bool holds = print_figure("solves that did not converge", proof.failed, 0, 0);
   const char* names[4] = {"offset 1", "offset 2", "slope 1", "slope 2"};
   for (int k = 0; k < 4; ++k) {
-    char what[80];
-    std::snprintf(what, sizeof what, "scatter over reported sigma, %s, all beams", names[k]);
-    holds = print_figure(what, std::sqrt(scatter[k] / beams), 0.9, 1.1) && holds;
+    const std::string what = fmt::format("scatter over reported sigma, {}, all beams", names[k]);
+    holds = print_figure(what.c_str(), std::sqrt(scatter[k] / beams), 0.9, 1.1) && holds;
   }
   double mean = 0.0, variance = 0.0;
   for (const double value : proof.normalised) mean += value / seeds;

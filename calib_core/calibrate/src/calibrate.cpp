@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "raybundle/calibrate/calibrate.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <optional>
 #include <string>
@@ -49,6 +52,15 @@ BundleState rig_state(const CalibrationProblem& problem, const CamerasAlone& alo
   return state;
 }
 
+std::string fold_warning(const std::string& camera, const InjectivityReport& report) {
+  return fmt::format(
+      "camera {}: the projection is one-to-one only up to {:.1f} degrees off the axis: {:.1f} % of the image, from pixel "
+      "({:.0f}, {:.0f}) outwards, has no ray; harmless outside of a fisheye's image circle, otherwise show boards "
+      "there or take a model for wider lenses such as kannala_brandt, or one with fewer parameters",
+      camera, report.max_angle_rad * 180.0 / M_PI, 100.0 * (1.0 - report.covered_fraction), report.first_offender->x(),
+      report.first_offender->y());
+}
+
 // A lens that folds beyond the corners is an ordinary fisheye with its image circle; one that folds among them is
 // wrong.
 void warn_of_folds(const CalibrationProblem& problem, const BundleState& state, CalibrationResult& result) {
@@ -66,7 +78,7 @@ void warn_of_folds(const CalibrationProblem& problem, const BundleState& state, 
     }
     const InjectivityReport report = check_injectivity(camera);
     if (report.one_to_one() || report.first_offender_radius_px > farthest_px) continue;
-    result.warnings.push_back("camera " + problem.cameras[c].name + ": " + *injectivity_warning(report));
+    result.warnings.push_back(fold_warning(problem.cameras[c].name, report));
   }
 }
 
