@@ -23,7 +23,7 @@ namespace {
 
 using namespace raybundle;
 
-constexpr double kSigmaPx = 0.1;
+constexpr double kSigma_px = 0.1;
 constexpr int kLeastPoses = 4;  // that met a beam: with fewer the truth is no longer near in the sense of the bound
 
 struct World {
@@ -39,8 +39,8 @@ World make_world(int frames, int cameras, LaserGrid grid) {
   World world{.exact = testing::synthetic_world(options), .truth = {}, .bound = {}};
   const testing::LaserTruth laser = testing::add_laser(world.exact, {.grid = grid, .noise_px = 0.0, .labelled = true});
   for (TargetView& view : world.exact.problem.views) {
-    for (Observation& observation : view.observations) observation.sigma_px = kSigmaPx;
-    for (Dot& dot : view.dots) dot.covariance_px2 = kSigmaPx * kSigmaPx * Eigen::Matrix2d::Identity();
+    for (Observation& observation : view.observations) observation.sigma_px = kSigma_px;
+    for (Dot& dot : view.dots) dot.covariance_px2 = kSigma_px * kSigma_px * Eigen::Matrix2d::Identity();
   }
   world.truth = {world.exact.cameras,
                  world.exact.camera_from_rig,
@@ -83,7 +83,7 @@ Proof prove(const World& world, int seeds) {
   Proof proof;
   proof.beams.resize(world.truth.beams.size());
   for (int seed = 1; seed <= seeds; ++seed) {
-    const CalibrationProblem problem = testing::with_noise(world.exact.problem, kSigmaPx, static_cast<unsigned>(seed));
+    const CalibrationProblem problem = testing::with_noise(world.exact.problem, kSigma_px, static_cast<unsigned>(seed));
     BundleState state = world.truth;
     if (solve_bundle(problem, state).termination != Termination::kConverged) ++proof.failed;
     const auto covariances = beam_covariances(problem, state);

@@ -21,8 +21,8 @@ namespace {
 constexpr std::size_t kMostRays = 400;  // of the lens's field, spread over the views
 constexpr int kRounds = 6;              // from a lower optimum to the next
 constexpr double kAlikeSigmas = 3.0;    // two optima of the same corners differ by no more in where they project
-constexpr double kLeastAlikePx = 0.5;
-constexpr double kMostAlikePx = 20.0;
+constexpr double kLeastAlike_px = 0.5;
+constexpr double kMostAlike_px = 20.0;
 constexpr double kWonBack = 1000.0;        // squared sigmas that a turned board may cost at first: it has bent the lens
 constexpr std::size_t kMostTried = 8;      // boards that are turned one by one
 constexpr std::size_t kMostViews = 100;    // of which one could move the camera
@@ -105,7 +105,7 @@ bool try_mirrored_boards(const CalibrationProblem& single, BundleState& state, s
 // the valleys that begin here and there.
 std::vector<Camera> cameras_alike(const CalibrationProblem& single, const BundleState& state, double sigma_px) {
   const std::vector<Eigen::Vector3d> rays = rays_seen(single, state);
-  const double alike_px = std::clamp(kAlikeSigmas * sigma_px, kLeastAlikePx, kMostAlikePx);
+  const double alike_px = std::clamp(kAlikeSigmas * sigma_px, kLeastAlike_px, kMostAlike_px);
   std::vector<Camera> alike = twin_cameras(state.cameras[0], rays, alike_px);
   std::vector<Camera> starts{state.cameras[0]};
   if (!alike.empty()) starts.push_back(alike.front());

@@ -27,13 +27,13 @@ double determinant(const double* parameters, const Eigen::Vector3d& ray, Eigen::
 
 /// Angle off the axis of the one ray of a pixel; nothing when there is none, or the projection is folded there.
 std::optional<double> angle_of_pixel(const Camera& camera, const Eigen::Vector2d& pixel) {
-  constexpr double kRoundTripPx = 1e-6;  // far above rounding, far below any measurement
+  constexpr double kRoundTrip_px = 1e-6;  // far above rounding, far below any measurement
   const std::optional<Eigen::Vector3d> ray = ray_from_pixel(camera, pixel);
   if (!ray) return std::nullopt;
   Eigen::Vector2d again;
   const double area =
       with_model(camera.model, [&]<CameraModel M>() { return determinant<M>(camera.parameters.data(), *ray, again); });
-  if (!(area > 0) || !((again - pixel).norm() <= kRoundTripPx)) return std::nullopt;
+  if (!(area > 0) || !((again - pixel).norm() <= kRoundTrip_px)) return std::nullopt;
   return std::atan2(ray->head<2>().norm(), ray->z());
 }
 

@@ -12,7 +12,7 @@
 namespace raybundle {
 namespace {
 
-constexpr double kGoodFitPx = 0.3;     ///< the polish on corners does the rest
+constexpr double kGoodFit_px = 0.3;    ///< the polish on corners does the rest
 constexpr std::size_t kSamples = 150;  ///< rays that a fit is made on
 constexpr double kHeldWeight = 1e9;    ///< of a prior that holds a parameter where it is
 
@@ -94,7 +94,7 @@ LensVector fit_from(ModelId model, const LensFunctions& lens, const PointsInView
     options.max_iterations = 15;
     options.poses_fixed = true;
     const double cost = refine_lens(lens, {samples}, options, parameters, here).cost;
-    if (cost < kGoodFitPx * kGoodFitPx) break;  // of all samples together: no smaller scale would change anything
+    if (cost < kGoodFit_px * kGoodFit_px) break;  // of all samples together: no smaller scale would change anything
   }
   for (const int zero : zeros) parameters[zero] = 0.0;
   return parameters;
@@ -115,7 +115,7 @@ LensVector fit_model(ModelId model, const PointsInView& field, const LensVector&
       best_cost = cost;
       best = parameters;
     }
-    if (best_cost < kGoodFitPx) break;
+    if (best_cost < kGoodFit_px) break;
   }
   return best;
 }

@@ -13,7 +13,7 @@
 namespace raybundle {
 namespace {
 
-constexpr double kNearPx = 3.0;  ///< a corner fits its view's own pose within this
+constexpr double kNear_px = 3.0;  ///< a corner fits its view's own pose within this
 
 /// Squared distances of one view's right corners, tied and with a pose of its own.
 struct ViewFit {
@@ -31,8 +31,8 @@ ViewFit fit_of(const CalibrationProblem& problem, const TargetView& view, const 
   std::vector<double> sorted = tied_distances;
   double typical_px = median(sorted);
   std::vector<Rigid3> own{tied};
-  if (!(typical_px <= kNearPx)) {  // no refinement leads from so far away to where the board is
-    if (const auto pose = view_pose(lens, camera.parameters.data(), corners, kNearPx)) {
+  if (!(typical_px <= kNear_px)) {  // no refinement leads from so far away to where the board is
+    if (const auto pose = view_pose(lens, camera.parameters.data(), corners, kNear_px)) {
       own[0] = pose->camera_from_target;
       typical_px = pose->median_px;
     }

@@ -89,8 +89,9 @@ Measured measured_depth(const Requirement& requirement, const Subject& subject, 
   if (!std::isfinite(figure.value)) {
     return {figure.value,
             subject.laser ? ": no beam's depth is stated there" : ": they see nothing together at that distance",
-            subject.laser ? fmt::format("require it between {} and {} m", kStatedDepthsM.front(), kStatedDepthsM.back())
-                          : "require a distance at which their images overlap",
+            subject.laser
+                ? fmt::format("require it between {} and {} m", kStatedDepths_m.front(), kStatedDepths_m.back())
+                : "require a distance at which their images overlap",
             false};
   }
   return {figure.value,

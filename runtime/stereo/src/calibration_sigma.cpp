@@ -30,7 +30,7 @@ struct Parameters {
 };
 
 Parameters parameters_of(const Covariance& covariance, const RigCamera& left, const RigCamera& right) {
-  constexpr double kStep_sigmas = 0.1;
+  constexpr double kStepSigmas = 0.1;
   Parameters parameters;
   std::vector<std::string> names;
   for (const RigCamera* camera : {&left, &right}) {
@@ -46,7 +46,7 @@ Parameters parameters_of(const Covariance& covariance, const RigCamera& left, co
   parameters.covariance = covariance.block(names);
   for (Eigen::Index i = 0; i < std::ssize(names); ++i) {
     parameters.list[static_cast<std::size_t>(i)].step =
-        kStep_sigmas * std::sqrt(std::max(parameters.covariance(i, i), 0.0));
+        kStepSigmas * std::sqrt(std::max(parameters.covariance(i, i), 0.0));
   }
   return parameters;
 }
