@@ -3,7 +3,6 @@
 #include "laser_world.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <random>
 
 #include "raybundle/scene/board_surface.hpp"

@@ -3,7 +3,6 @@
 #include "raybundle/stereo/rectification.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <vector>
 
