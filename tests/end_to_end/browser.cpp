@@ -110,7 +110,7 @@ nlohmann::json Browser::read_message() {
     unread_.append(buffer.data(), static_cast<std::size_t>(got));
     end = unread_.find('\0');
   }
-  const auto message = nlohmann::json::parse(unread_.substr(0, end));
+  auto message = nlohmann::json::parse(unread_.substr(0, end));
   unread_.erase(0, end + 1);
   note(message);
   return message;

@@ -129,7 +129,7 @@ void keep_lenses_beyond_corners(CalibrationProblem& problem, const CalibrateOpti
   };
   for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
     if (!give_up_coefficients(problem, solved.state, c, solved.summary, solve_again)) continue;
-    solve = solve_jointly(problem, options, sigmas_alone, std::move(solved));
+    solve = solve_jointly(problem, options, sigmas_alone, solved);
   }
 }
 

@@ -59,9 +59,9 @@ struct Measured {
 
 // By the corners' noise or by how the frames scatter, whichever is worse.
 Figure worse_figure(const Requirement& requirement, const Subject& subject, const Calibration& calibration) {
-  const Figure figure = figure_of(requirement, subject, calibration, calibration.covariance, kPlacesAcross);
+  Figure figure = figure_of(requirement, subject, calibration, calibration.covariance, kPlacesAcross);
   if (!calibration.covariance_by_frame || subject.laser) return figure;
-  const Figure by_frame = figure_of(requirement, subject, calibration, *calibration.covariance_by_frame, kPlacesAcross);
+  Figure by_frame = figure_of(requirement, subject, calibration, *calibration.covariance_by_frame, kPlacesAcross);
   return by_frame.value > figure.value ? by_frame : figure;
 }
 
