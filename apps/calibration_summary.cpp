@@ -133,7 +133,7 @@ std::string laser_lines(const CalibrationResult& result) {
   std::string text = fmt::format("laser: {} of {} beams from {} dots, rms {:.3f} px; {} outliers, {} unlabelled; {}\n",
                                  pattern.beams.size(), pattern.grid.size(), laser.dots_used, laser.rms_px,
                                  laser.dots_outlier, laser.dots_unlabelled, laser.label_origin);
-  for (std::size_t d = 0; d < kStatedDepthsM.size(); ++d) {
+  for (std::size_t d = 0; d < kStatedDepths_m.size(); ++d) {
     std::vector<double> sigmas, per_px;
     for (const LaserBeam& beam : pattern.beams) {
       if (std::isfinite(beam.depths[d].sigma_m)) sigmas.push_back(beam.depths[d].sigma_m);
@@ -142,7 +142,7 @@ std::string laser_lines(const CalibrationResult& result) {
     if (sigmas.empty()) continue;
     text += fmt::format(
         "  at {:.1f} m {} beams are seen; depth ± {:.2f} mm by the calibration, {:.1f} mm for each px of a dot\n",
-        kStatedDepthsM[d], sigmas.size(), 1e3 * median(sigmas), 1e3 * median(per_px));
+        kStatedDepths_m[d], sigmas.size(), 1e3 * median(sigmas), 1e3 * median(per_px));
   }
   if (!pattern.advice) return text;
   const LabelAdvice& advice = *pattern.advice;

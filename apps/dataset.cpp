@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <set>
 
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/scene/csv.hpp"

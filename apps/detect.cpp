@@ -2,10 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <filesystem>
-#include <map>
 #include <memory>
-#include <set>
 
 #include "input_flags.hpp"
 #include "raybundle/geometry/error.hpp"

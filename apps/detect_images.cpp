@@ -8,6 +8,7 @@
 #include <cctype>
 #include <chrono>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -18,6 +19,9 @@
 
 namespace raybundle::apps {
 namespace {
+
+constexpr const char* kNoBoard = "no board found";
+constexpr std::size_t kFewestCorners = 4;
 
 std::vector<Board> boards_of(const Dataset& dataset) {
   std::vector<Board> boards;
@@ -96,8 +100,6 @@ int index_of(const std::vector<std::string>& names, const std::string& name) {
   return static_cast<int>(std::ranges::find(names, name) - names.begin());
 }
 
-constexpr const char* kNoBoard = "no board found";
-
 std::string describe_miss(const Detection& detection) {
   if (!detection.hint.empty()) return fmt::format("{}: {}", kNoBoard, detection.hint);
   if (!detection.observations.empty())
@@ -105,30 +107,23 @@ std::string describe_miss(const Detection& detection) {
   return kNoBoard;
 }
 
-constexpr std::size_t kFewestCorners = 4;
-
-}  // namespace
-
-std::string without_digits(std::string text) {
-  std::erase_if(text, [](unsigned char c) { return std::isdigit(c) != 0; });
-  return text;
+std::vector<ImageFile> files_of(const Dataset& dataset) {
+  std::vector<ImageFile> files;
+  std::vector<std::string> names;
+  for (int c = 0; c < static_cast<int>(dataset.cameras.size()); ++c) {
+    const DatasetCamera& camera = dataset.cameras[c];
+    std::ranges::copy(image_files(c, dataset.folder, camera.images), std::back_inserter(files));
+    names.push_back(camera.name);
+  }
+  refuse_shared_images(files, names);
+  return files;
 }
 
-DetectedImages detect_images(const Dataset& dataset, const DetectOptions& options) {
-  const auto begin = std::chrono::steady_clock::now();
-  refuse_alike_boards(dataset.boards);
-  DetectedImages images;
-  for (int c = 0; c < static_cast<int>(dataset.cameras.size()); ++c) {
-    const std::vector<ImageFile> files = image_files(c, dataset.folder, dataset.cameras[c].images);
-    images.files.insert(images.files.end(), files.begin(), files.end());
-  }
-  std::vector<std::string> names;
-  for (const DatasetCamera& camera : dataset.cameras) names.push_back(camera.name);
-  refuse_shared_images(images.files, names);
-  std::vector<std::string> unreadable;
-  const std::vector<std::vector<CachedFrame>> found = detect_files(dataset, options, images.files, unreadable);
-
-  CalibrationProblem& problem = images.observations.problem;
+// Boards, frames and cameras.
+ObservationsFile observations_without_views(const Dataset& dataset, const std::vector<ImageFile>& files,
+                                            const std::vector<std::vector<CachedFrame>>& found) {
+  ObservationsFile observations;
+  CalibrationProblem& problem = observations.problem;
   for (const DatasetBoard& board : dataset.boards) {
     problem.targets.push_back(target_of(board.board));
     problem.targets.back().name = board.name;
@@ -142,37 +137,64 @@ DetectedImages detect_images(const Dataset& dataset, const DetectOptions& option
   for (const DatasetCamera& camera : dataset.cameras) {
     std::optional<ModelId> model;
     if (!camera.model.empty()) model = model_from_name(camera.model, "camera " + camera.name);
-    images.observations.models.push_back(model);
+    observations.models.push_back(model);
     problem.cameras.push_back({camera.name, model.value_or(ModelId{}), {}, {}, {}});
   }
   for (std::size_t c = 0; c < dataset.cameras.size(); ++c) {
-    problem.cameras[c].size = size_of_most(static_cast<int>(c), dataset.cameras[c].name, images.files, found);
+    problem.cameras[c].size = size_of_most(static_cast<int>(c), dataset.cameras[c].name, files, found);
   }
+  return observations;
+}
+
+// The boards that were found in one image of a file, or why none was.
+void add_views(const ImageFile& file, const CachedFrame& frame, DetectedImages& images,
+               std::map<std::string, std::string>& hints) {
+  CalibrationProblem& problem = images.observations.problem;
+  bool any = false;
+  for (std::size_t b = 0; b < frame.boards.size(); ++b) {
+    const Detection& detection = frame.boards[b];
+    if (!detection.hint.empty()) hints.emplace(without_digits(detection.hint), detection.hint);
+    const bool may_be_another = frame.boards.size() > 1;  // of the data set's
+    if (!detection.seen_size.empty() && !may_be_another) ++images.seen_sizes[detection.seen_size];
+    if (detection.observations.size() < kFewestCorners) continue;
+    any = true;
+    problem.views.push_back(
+        {file.camera, index_of(problem.frames, frame.frame), static_cast<int>(b), detection.observations, file.path});
+  }
+  if (any) return;
+  images.unused.push_back(
+      {problem.cameras[file.camera].name, frame.frame, file.path, describe_miss(frame.boards.front())});
+}
+
+}  // namespace
+
+std::string without_digits(std::string text) {
+  std::erase_if(text, [](unsigned char c) { return std::isdigit(c) != 0; });
+  return text;
+}
+
+DetectedImages detect_images(const Dataset& dataset, const DetectOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  refuse_alike_boards(dataset.boards);
+  DetectedImages images;
+  images.files = files_of(dataset);
+  std::vector<std::string> unreadable;
+  const std::vector<std::vector<CachedFrame>> found = detect_files(dataset, options, images.files, unreadable);
+  images.observations = observations_without_views(dataset, images.files, found);
+  const std::vector<ProblemCamera>& cameras = images.observations.problem.cameras;
   std::map<std::string, std::string> hints;  // by their words: those that differ in a count only are one
   for (std::size_t i = 0; i < images.files.size(); ++i) {
     const ImageFile& file = images.files[i];
-    const std::string& camera = dataset.cameras[file.camera].name;
-    if (!unreadable[i].empty()) images.unused.push_back({camera, file.frame, file.path, unreadable[i]});
+    const ProblemCamera& camera = cameras[file.camera];
+    if (!unreadable[i].empty()) images.unused.push_back({camera.name, file.frame, file.path, unreadable[i]});
     for (const CachedFrame& frame : found[i]) {
-      const ImageSize size = problem.cameras[file.camera].size;
-      if (size != ImageSize{frame.width, frame.height}) {
-        images.unused.push_back({camera, frame.frame, file.path,
+      if (camera.size == ImageSize{frame.width, frame.height}) {
+        add_views(file, frame, images, hints);
+      } else {
+        images.unused.push_back({camera.name, frame.frame, file.path,
                                  fmt::format("is {}x{}, but most images of its camera are {}x{}", frame.width,
-                                             frame.height, size.width, size.height)});
-        continue;
+                                             frame.height, camera.size.width, camera.size.height)});
       }
-      bool any = false;
-      for (std::size_t b = 0; b < frame.boards.size(); ++b) {
-        const Detection& detection = frame.boards[b];
-        if (!detection.hint.empty()) hints.emplace(without_digits(detection.hint), detection.hint);
-        const bool may_be_another = dataset.boards.size() > 1;  // of the data set's
-        if (!detection.seen_size.empty() && !may_be_another) ++images.seen_sizes[detection.seen_size];
-        if (detection.observations.size() < kFewestCorners) continue;
-        any = true;
-        problem.views.push_back({file.camera, index_of(problem.frames, frame.frame), static_cast<int>(b),
-                                 detection.observations, file.path});
-      }
-      if (!any) images.unused.push_back({camera, frame.frame, file.path, describe_miss(frame.boards.front())});
     }
   }
   for (const auto& [words, hint] : hints) images.hints.push_back(hint);

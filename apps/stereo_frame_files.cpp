@@ -2,11 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stereo_frame_files.hpp"
 
-#include <fmt/format.h>
-
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 

@@ -6,7 +6,6 @@
 // `more` are those that ours finds in part. The images are decoded beforehand: that costs everyone the same.
 // usage: bench_detect [images of each set, default all] [repetitions, default 1]
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>

@@ -5,11 +5,14 @@
 // allows: one world of cameras, boards and beams, observed again and again with other noise of 0.1 px, each time solved
 // for everything. The bound is the covariance at the truth.
 // usage: prove_beams [seeds, default 200] [frames, default 20]
+#include <fmt/format.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 #include <vector>
 
 #include "laser_world.hpp"
@@ -20,7 +23,7 @@ namespace {
 
 using namespace raybundle;
 
-constexpr double kSigmaPx = 0.1;
+constexpr double kSigma_px = 0.1;
 constexpr int kLeastPoses = 4;  // that met a beam: with fewer the truth is no longer near in the sense of the bound
 
 struct World {
@@ -36,8 +39,8 @@ World make_world(int frames, int cameras, LaserGrid grid) {
   World world{.exact = testing::synthetic_world(options), .truth = {}, .bound = {}};
   const testing::LaserTruth laser = testing::add_laser(world.exact, {.grid = grid, .noise_px = 0.0, .labelled = true});
   for (TargetView& view : world.exact.problem.views) {
-    for (Observation& observation : view.observations) observation.sigma_px = kSigmaPx;
-    for (Dot& dot : view.dots) dot.covariance_px2 = kSigmaPx * kSigmaPx * Eigen::Matrix2d::Identity();
+    for (Observation& observation : view.observations) observation.sigma_px = kSigma_px;
+    for (Dot& dot : view.dots) dot.covariance_px2 = kSigma_px * kSigma_px * Eigen::Matrix2d::Identity();
   }
   world.truth = {world.exact.cameras,
                  world.exact.camera_from_rig,
@@ -80,7 +83,7 @@ Proof prove(const World& world, int seeds) {
   Proof proof;
   proof.beams.resize(world.truth.beams.size());
   for (int seed = 1; seed <= seeds; ++seed) {
-    const CalibrationProblem problem = testing::with_noise(world.exact.problem, kSigmaPx, static_cast<unsigned>(seed));
+    const CalibrationProblem problem = testing::with_noise(world.exact.problem, kSigma_px, static_cast<unsigned>(seed));
     BundleState state = world.truth;
     if (solve_bundle(problem, state).termination != Termination::kConverged) ++proof.failed;
     const auto covariances = beam_covariances(problem, state);
@@ -128,9 +131,8 @@ bool print(const char* name, const World& world, int seeds) {
   bool holds = print_figure("solves that did not converge", proof.failed, 0, 0);
   const char* names[4] = {"offset 1", "offset 2", "slope 1", "slope 2"};
   for (int k = 0; k < 4; ++k) {
-    char what[80];
-    std::snprintf(what, sizeof what, "scatter over reported sigma, %s, all beams", names[k]);
-    holds = print_figure(what, std::sqrt(scatter[k] / beams), 0.9, 1.1) && holds;
+    const std::string what = fmt::format("scatter over reported sigma, {}, all beams", names[k]);
+    holds = print_figure(what.c_str(), std::sqrt(scatter[k] / beams), 0.9, 1.1) && holds;
   }
   double mean = 0.0, variance = 0.0;
   for (const double value : proof.normalised) mean += value / seeds;

@@ -10,7 +10,6 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <vector>
 
 #include "kalibr_corners.hpp"
 
@@ -29,7 +28,7 @@ std::string quoted(const std::string& text) { return "'" + text + "'"; }
 
 // Corners that others detected, as a table of ours.
 fs::path table_of_kalibr_corners(const fs::path& folder, const fs::path& scratch) {
-  const fs::path file = scratch / "corners.csv";
+  fs::path file = scratch / "corners.csv";
   std::ofstream table(file);
   table << "camera,frame,point_id,u,v\n";
   for (const std::string camera : {"cam0", "cam1"}) {

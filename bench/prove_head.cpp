@@ -9,7 +9,6 @@
 // cameras. usage: prove_head [scenes of each class, default 60 [first seed]]
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <string>

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <span>
 
 #include "cabin_scene.hpp"
 #include "raybundle/structured_light/structured_light.hpp"

@@ -8,6 +8,8 @@
 // that are known to be wrong, which they would not survive; mrcal is given a focal length besides. Their answers count
 // as reached when a solve that goes on from them reaches the truth's optimum. usage: prove_starts [model or all] [rigs
 // of each model] [first seed] [alone, for no peers]
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -59,9 +61,7 @@ void count_peers(const std::vector<RandomRig>& rigs, const std::vector<TruthStar
 
 std::string share(const std::optional<int>& failed, int of) {
   if (!failed || of == 0) return "-";
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f %%", 100.0 * *failed / of);
-  return text;
+  return fmt::format("{:.1f} %", 100.0 * *failed / of);
 }
 
 Tally prove(ModelId model, int count, int first_seed, bool with_peers) {

@@ -19,7 +19,7 @@ namespace {
 using namespace raybundle;
 
 constexpr int kWidth = 200, kHeight = 120;
-constexpr double kMostBiasPx = 0.05, kMostRmsPx = 0.15;
+constexpr double kMostBias_px = 0.05, kMostRms_px = 0.15;
 
 /// White noise blurred by a Gaussian: has a value between pixels, too, without interpolation.
 class Texture {
@@ -170,8 +170,8 @@ int main() {
     for (int tenth = 0; tenth < 10; ++tenth) show("flat", 0.1 * tenth, 0.0);
     show("slant", 0.0, 0.03);
   }
-  const bool holds = worst_bias <= kMostBiasPx && worst_rms <= kMostRmsPx && least_matched > kWidth * kHeight / 2;
-  std::printf("largest bias %.3f px (bar %.2f), largest rms %.3f px (bar %.2f): %s\n", worst_bias, kMostBiasPx,
-              worst_rms, kMostRmsPx, holds ? "holds" : "DOES NOT HOLD");
+  const bool holds = worst_bias <= kMostBias_px && worst_rms <= kMostRms_px && least_matched > kWidth * kHeight / 2;
+  std::printf("largest bias %.3f px (bar %.2f), largest rms %.3f px (bar %.2f): %s\n", worst_bias, kMostBias_px,
+              worst_rms, kMostRms_px, holds ? "holds" : "DOES NOT HOLD");
   return cabins_hold() && holds ? 0 : 1;
 }

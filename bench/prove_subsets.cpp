@@ -11,12 +11,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
-#include <numeric>
 
 #include "projection.hpp"
 #include "random_rig.hpp"

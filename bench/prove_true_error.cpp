@@ -9,7 +9,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <string>
-#include <vector>
 
 #include "problem.hpp"
 #include "raybundle/calibrate/calibrate.hpp"

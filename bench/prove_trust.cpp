@@ -29,9 +29,9 @@ namespace {
 
 using namespace raybundle;
 
-constexpr double kSigmaPx = 0.2;
+constexpr double kSigma_px = 0.2;
 constexpr double kLeastRatio = 0.9, kMostRatio = 1.1;
-constexpr double kRangesM[] = {0.3, 1.0, kInfinitelyFar};
+constexpr double kRanges_m[] = {0.3, 1.0, kInfinitelyFar};
 
 struct World {
   testing::SyntheticWorld exact;
@@ -46,8 +46,8 @@ World make_world(testing::SyntheticOptions options, bool with_laser) {
     laser = testing::add_laser(world.exact, {.grid = {.rows = 7, .columns = 7}, .noise_px = 0.0, .labelled = true});
   }
   for (TargetView& view : world.exact.problem.views) {
-    for (Observation& observation : view.observations) observation.sigma_px = kSigmaPx;
-    for (Dot& dot : view.dots) dot.covariance_px2 = kSigmaPx * kSigmaPx * Eigen::Matrix2d::Identity();
+    for (Observation& observation : view.observations) observation.sigma_px = kSigma_px;
+    for (Dot& dot : view.dots) dot.covariance_px2 = kSigma_px * kSigma_px * Eigen::Matrix2d::Identity();
   }
   world.truth = testing::true_state(world.exact);
   if (!with_laser) return world;
@@ -92,7 +92,7 @@ std::vector<Place> covered_places(const World& world) {
       for (int column = 0; column < evidence.columns; ++column) {
         const Eigen::Vector2d pixel = middle_of_cell(camera.size, evidence.rows, evidence.columns, row, column);
         if (!evidence.covers(camera.size, pixel) || !ray_from_pixel(camera, pixel)) continue;
-        for (const double range_m : kRangesM) places.push_back({.camera = c, .pixel = pixel, .range_m = range_m});
+        for (const double range_m : kRanges_m) places.push_back({.camera = c, .pixel = pixel, .range_m = range_m});
       }
     }
   }
@@ -136,7 +136,7 @@ void add_depth(const World& world, const std::vector<RigCamera>& solved, const C
 
 // Solves one sample of the noise and adds what it says and what it is off by; false when the solve fails.
 bool add_sample(const World& world, int seed, std::vector<Place>& places) {
-  const CalibrationProblem problem = testing::with_noise(world.exact.problem, kSigmaPx, static_cast<unsigned>(seed));
+  const CalibrationProblem problem = testing::with_noise(world.exact.problem, kSigma_px, static_cast<unsigned>(seed));
   BundleState state = world.truth;
   if (solve_bundle(problem, state).termination != Termination::kConverged) return false;
   const Covariance known = covariance(reduced_information(problem, state)).covariance;
@@ -179,10 +179,10 @@ bool prove(const char* name, const World& world, int seeds) {
   std::vector<Place> places = covered_places(world);
   int samples = 0;
   for (int seed = 1; seed <= seeds; ++seed) samples += add_sample(world, seed, places);
-  std::printf("%s: %d of %d samples of the noise, %.1f px\n", name, samples, seeds, kSigmaPx);
+  std::printf("%s: %d of %d samples of the noise, %.1f px\n", name, samples, seeds, kSigma_px);
   bool holds = samples == seeds;
   for (int c = 0; c < static_cast<int>(world.truth.cameras.size()); ++c) {
-    for (const double range_m : kRangesM) {
+    for (const double range_m : kRanges_m) {
       std::vector<double> ratios;
       for (const Place& place : places) {
         if (place.camera == c && place.range_m == range_m) ratios.push_back(place.ratio());
@@ -190,7 +190,7 @@ bool prove(const char* name, const World& world, int seeds) {
       holds = print_ratios(world.exact.problem.cameras[c].name.c_str(), range_m, ratios, samples) && holds;
     }
   }
-  for (const double range_m : kRangesM) {
+  for (const double range_m : kRanges_m) {
     std::vector<double> ratios;
     for (const Place& place : places) {
       if (place.range_m == range_m && place.depth_sampled > 0.0) {

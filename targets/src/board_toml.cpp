@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <string_view>
 
 #include "board_point_set.hpp"
 #include "raybundle/geometry/error.hpp"

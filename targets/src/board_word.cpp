@@ -6,7 +6,6 @@
 #include <array>
 #include <optional>
 #include <string_view>
-#include <utility>
 
 #include "board_point_set.hpp"
 #include "raybundle/geometry/error.hpp"

@@ -3,7 +3,6 @@
 #include "charuco.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <opencv2/core.hpp>
 

@@ -3,8 +3,6 @@
 #include "chessboard.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <numeric>
 #include <opencv2/imgproc.hpp>
 
 #include "lattice.hpp"

@@ -12,7 +12,6 @@
 #include <deque>
 #include <limits>
 #include <optional>
-#include <set>
 
 namespace raybundle {
 namespace {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "laser_dots_images.hpp"
 
-#include <cmath>
 #include <opencv2/imgproc.hpp>
 
 #include "raybundle/geometry/error.hpp"

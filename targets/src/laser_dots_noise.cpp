@@ -3,7 +3,6 @@
 #include "laser_dots_noise.hpp"
 
 #include <Eigen/Dense>
-#include <cmath>
 #include <numeric>
 #include <opencv2/core.hpp>
 #include <vector>

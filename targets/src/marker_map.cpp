@@ -5,7 +5,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -95,7 +94,7 @@ std::optional<LocalPrediction> MarkerMap::predict(const Eigen::Vector2d& x_in_bo
       const double distance = order[i].first / reach_m;
       weights.push_back(point.weight / (1.0 + distance * distance));
     }
-    const std::optional<LocalPrediction> map = map_at_origin(from, to, weights);
+    std::optional<LocalPrediction> map = map_at_origin(from, to, weights);
     if (map || n == order.size()) return map;
   }
   return std::nullopt;

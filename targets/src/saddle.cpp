@@ -99,8 +99,8 @@ Saddle saddle_of(const SaddleFit& fit, const Eigen::Vector2d& start, int samples
   // What the fit's own residuals do not show: the pixel grid, and the print and a blur that is not as Gaussian as the
   // model's. On real boards corners scatter about their neighbours by .04 of the blur, whether it is .4 or 1.4 px.
   constexpr double kFloor_px = 0.015;
-  constexpr double kFloor_per_blur = 0.04;
-  const double unseen_px = std::hypot(kFloor_px, kFloor_per_blur * saddle.blur_px);
+  constexpr double kFloorPerBlur = 0.04;
+  const double unseen_px = std::hypot(kFloor_px, kFloorPerBlur * saddle.blur_px);
   const double seen_px = std::sqrt(variance_grey * fit.variance_px2);
   saddle.sigma_px = std::hypot(seen_px, unseen_px);
   return saddle;

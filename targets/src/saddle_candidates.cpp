@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "saddle.hpp"
 
@@ -54,7 +53,7 @@ Eigen::Vector2d stationary_point(const cv::Mat& blurred, int x, int y) {
   const double yy = (at(0, 2) + at(0, -2) - 2 * at(0, 0)) / 4;
   const double xy = (at(2, 2) + at(-2, -2) - at(2, -2) - at(-2, 2)) / 16;
   const double determinant = xx * yy - xy * xy;
-  const Eigen::Vector2d pixel(x, y);
+  Eigen::Vector2d pixel(x, y);
   if (determinant > -1e-6) return pixel;
   const Eigen::Vector2d move((-yy * gx + xy * gy) / determinant, (xy * gx - xx * gy) / determinant);
   return move.cwiseAbs().maxCoeff() < 1.5 ? pixel + move : pixel;

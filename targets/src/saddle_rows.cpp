@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "saddle_rows.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 // The functions that are marked so are compiled twice on x86: for every processor, and for those with AVX2. Fused

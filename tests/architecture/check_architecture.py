@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: The Raybundle authors
 # SPDX-License-Identifier: Apache-2.0
-"""Holds the sources against the arrows of ARCHITECTURE.md and prints each offence as file:line: sentence.
+"""Holds the sources against the arrows of ARCHITECTURE.md, and against what linters do not see of the rules for files
+and names, and prints each offence as file:line: sentence.
 
 Usage: check_architecture.py [ROOT]; exits with 1 when there is an offence.
 """
@@ -55,6 +56,7 @@ NAMESPACE = re.compile(r"^namespace(?: ([\w:]+))? \{")
 TYPE = re.compile(r"^(?:struct|class|enum class) ([\w:]+)[^;]*\{")
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 SOURCES = (".cpp", ".hpp")
+HIDDEN_UNIT = re.compile(r"\b(k[A-Z][A-Za-z0-9]*[a-z0-9])(Px2?|Rad|Mrad|Mm?|Ms|Deg|Grey)\b")
 IGNORED = ("build", "corpus", "__pycache__")  # folders; a corpus holds inputs, not sources
 WITH_SPDX = (".cpp", ".hpp", ".h", ".py", ".cmake", ".toml", ".sh")
 SPDX = ("SPDX-FileCopyrightText: ", "SPDX-License-Identifier: Apache-2.0")
@@ -136,6 +138,8 @@ def check_source(root, path, lines):
         if include:
             for sentence in check_include(root, path, *include.groups()):
                 yield number, sentence
+        for name, unit in HIDDEN_UNIT.findall(line):
+            yield number, f"{name}{unit} hides its unit; write {name}_{unit.lower()}"
 
 
 def shared_types(lines):

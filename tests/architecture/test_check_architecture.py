@@ -107,6 +107,13 @@ class CheckArchitecture(unittest.TestCase):
         self.assert_offence(path + ".cpp", SPDX + "\n" * 500, "502 lines")
         self.assert_offence("calib_core/CMakeLists.txt", "add_subdirectory(a)\n", "SPDX")
 
+    def test_finds_units_that_hide_in_names(self):
+        path = "calib_core/scene/src/a.cpp"
+        for name, right in [("kStepPx", "kStep_px"), ("kFarM", "kFar_m"), ("kLongMm", "kLong_mm"), ("kBendRad", "kBend_rad")]:
+            self.assert_offence(path, SPDX + f"constexpr double {name} = 1.0;\n", ":3: ", right)
+        for name in ["kStep_px", "kPitch_mrad", "kMostSeconds", "kAlikeSigmas", "kSpx", "kM"]:
+            self.assertEqual(offences({path: SPDX + f"constexpr double {name} = 1.0;\n"}), [])
+
     def test_finds_modules_without_arrows(self):
         self.assert_offence("calib_core/novel/src/a.cpp", SPDX, "novel")
         self.assert_offence("calib_core/scene/src/a.cpp", SPDX + '#include "raybundle/novel/a.hpp"\n', "novel")

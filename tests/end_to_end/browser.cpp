@@ -21,7 +21,7 @@ extern char** environ;
 namespace raybundle::testing {
 namespace {
 
-constexpr int kPatienceMs = 60000;
+constexpr int kPatience_ms = 60000;
 constexpr int kCommands = 3, kAnswers = 4;  // the file descriptors that --remote-debugging-pipe speaks on
 
 std::string bytes_from_base64(const std::string& text) {
@@ -105,12 +105,12 @@ nlohmann::json Browser::read_message() {
   while (end == std::string::npos) {
     pollfd ready{from_browser_, POLLIN, 0};
     std::array<char, 65536> buffer;
-    const ssize_t got = poll(&ready, 1, kPatienceMs) > 0 ? read(from_browser_, buffer.data(), buffer.size()) : 0;
+    const ssize_t got = poll(&ready, 1, kPatience_ms) > 0 ? read(from_browser_, buffer.data(), buffer.size()) : 0;
     if (got <= 0) throw std::runtime_error("the browser does not answer; see browser.log in its folder");
     unread_.append(buffer.data(), static_cast<std::size_t>(got));
     end = unread_.find('\0');
   }
-  const auto message = nlohmann::json::parse(unread_.substr(0, end));
+  auto message = nlohmann::json::parse(unread_.substr(0, end));
   unread_.erase(0, end + 1);
   note(message);
   return message;

@@ -1,10 +1,6 @@
 // SPDX-FileCopyrightText: The Raybundle authors
 // SPDX-License-Identifier: Apache-2.0
-#include <fmt/format.h>
 #include <gmock/gmock.h>
-
-#include <fstream>
-#include <map>
 
 #include "kalibr_corners.hpp"
 #include "opencv_stereo.hpp"

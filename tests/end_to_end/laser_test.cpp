@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -228,7 +227,7 @@ std::vector<ProjectorDot> projector_dots(const fs::path& path) {
 /// The observations of some captures, with the projector's dots: those beside the board, too.
 void write_captures(const fs::path& path, nlohmann::json observations, const std::vector<ProjectorDot>& dots,
                     const std::function<bool(const std::string&)>& wanted) {
-  constexpr int kStepPx = 32;  // of the projector, between dots
+  constexpr int kStep_px = 32;  // of the projector, between dots
   nlohmann::json views = nlohmann::json::array();
   for (nlohmann::json view : observations["views"]) {
     const std::string frame = view["frame"];
@@ -236,7 +235,7 @@ void write_captures(const fs::path& path, nlohmann::json observations, const std
     view["dots"] = nlohmann::json::array();
     for (const ProjectorDot& dot : dots) {
       if (std::to_string(dot.capture) != frame) continue;
-      view["dots"].push_back({dot.x, dot.y, 0.04, 0, 0.04, dot.v / kStepPx, dot.u / kStepPx, 0});
+      view["dots"].push_back({dot.x, dot.y, 0.04, 0, 0.04, dot.v / kStep_px, dot.u / kStep_px, 0});
     }
     views.push_back(view);
   }

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "program.hpp"

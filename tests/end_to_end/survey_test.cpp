@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
 const char* kFolder = "opencv_stereo_chess";
-constexpr double kNoisePx = 0.3;
+constexpr double kNoise_px = 0.3;
 
 std::vector<std::string> boards() {
   return {"--target", "chessboard:9x6:25mm", "--camera", "left=" + (real_data(kFolder) / "left*.jpg").string(),
@@ -28,7 +28,7 @@ std::vector<std::string> boards() {
 void write_survey(const fs::path& place, const fs::path& calibration) {
   std::mt19937 random(7);
   const auto uniform = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
-  std::normal_distribution<double> noise(0.0, kNoisePx);
+  std::normal_distribution<double> noise(0.0, kNoise_px);
   std::string towers = "name,east,north,up,sigma\n", rays;
   for (int i = 0; i < 16; ++i) {
     const double range_m = 30.0 * std::pow(100.0, uniform(0, 1)), x = uniform(-0.5, 0.5), y = uniform(-0.35, 0.35);
@@ -50,7 +50,7 @@ void write_survey(const fs::path& place, const fs::path& calibration) {
 
 std::vector<std::string> survey_flags(const fs::path& place) {
   return {"--landmarks",      (place / "towers.csv").string(), "--sightings", (place / "clicks.csv").string(),
-          "--sighting-sigma", fmt::format("{}", kNoisePx)};
+          "--sighting-sigma", fmt::format("{}", kNoise_px)};
 }
 
 TEST(Surveys, ACalibrationIsCheckedAndImprovedByLandmarks) {
@@ -64,7 +64,7 @@ TEST(Surveys, ACalibrationIsCheckedAndImprovedByLandmarks) {
   const ProgramRun checked = raybundle_program(check);
   ASSERT_EQ(checked.exit_code, 0) << checked.err;
   const nlohmann::json found = nlohmann::json::parse(checked.out);
-  EXPECT_NEAR(found["rms_px"].get<double>(), kNoisePx * std::sqrt(2.0), 0.25 * kNoisePx * std::sqrt(2.0));
+  EXPECT_NEAR(found["rms_px"].get<double>(), kNoise_px * std::sqrt(2.0), 0.25 * kNoise_px * std::sqrt(2.0));
   check.insert(check.end(), {"--max-rms", "0.1"});
   EXPECT_EQ(raybundle_program(check).exit_code, 1);
 

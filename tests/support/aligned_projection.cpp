@@ -3,7 +3,6 @@
 #include "aligned_projection.hpp"
 
 #include <Eigen/Cholesky>
-#include <cmath>
 
 namespace raybundle::testing {
 namespace {

@@ -26,7 +26,7 @@ inline std::filesystem::path fresh_folder() {
   std::string name = std::string("raybundle_") + test->test_suite_name() + "_" + test->name() + "_" +
                      std::to_string(getpid()) + "_" + std::to_string(all.folders.size());
   for (char& c : name) c = c == '/' ? '_' : c;
-  const std::filesystem::path folder = std::filesystem::temp_directory_path() / name;
+  std::filesystem::path folder = std::filesystem::temp_directory_path() / name;
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   all.folders.push_back(folder);

@@ -3,7 +3,6 @@
 #include "laser_world.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <random>
 
 #include "raybundle/scene/board_surface.hpp"
@@ -11,7 +10,7 @@
 namespace raybundle::testing {
 namespace {
 
-constexpr double kBoardMarginM = 0.02;  // of white around the points, where dots are seen too
+constexpr double kBoardMargin_m = 0.02;  // of white around the points, where dots are seen too
 
 std::vector<std::optional<Line3>> true_lines(const LaserOptions& options, std::mt19937& random) {
   std::normal_distribution<double> normal;
@@ -43,7 +42,7 @@ std::optional<Eigen::Vector2d> dot_pixel(const SyntheticWorld& world, const Targ
   const Rigid3 target_from_rig = rig_from_target.inverse();
   const Line3 in_target = target_from_rig * line;
   const std::optional<Eigen::Vector3d> x = surface.crossing(in_target, world.shapes[view.target]);
-  if (!x || !surface.covers(*x, kBoardMarginM) || (*x - in_target.point).dot(in_target.direction) < 0) return {};
+  if (!x || !surface.covers(*x, kBoardMargin_m) || (*x - in_target.point).dot(in_target.direction) < 0) return {};
   const Camera& camera = world.cameras[view.camera];
   const Eigen::Vector3d x_in_camera = world.camera_from_rig[view.camera] * (rig_from_target * *x);
   const std::optional<Eigen::Vector2d> pixel = pixel_from_ray(camera, x_in_camera);

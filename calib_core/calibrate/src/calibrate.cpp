@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "raybundle/calibrate/calibrate.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <optional>
 #include <string>
@@ -27,26 +30,69 @@
 namespace raybundle {
 namespace {
 
-RigStart rig_start(const CalibrationProblem& problem, const std::vector<std::optional<Rigid3>>& camera_from_target,
-                   const std::vector<std::optional<Rigid3>>& mirrored, std::vector<StageTime>& stages) {
-  const Stopwatch stopwatch(stages, "start");
-  return initialize_rig(problem, camera_from_target, mirrored);
+/// The cameras that could be calibrated alone, as one problem, and what they have told alone.
+struct RigProblem {
+  std::vector<int> cameras;  ///< of the whole problem
+  Subproblem sub;
+  std::size_t own_rules = 0;                                        ///< the others hold coefficients that were given up
+  std::vector<double> sigmas_alone;                                 ///< aligned with cameras
+  std::vector<std::optional<Rigid3>> camera_from_target, mirrored;  ///< here and below: aligned with the views
+  std::vector<std::vector<ObservationFate>> fates;
+  std::vector<std::string> reasons;
+};
+
+// Takes the views' observations out of the whole problem.
+RigProblem rig_problem(CalibrationProblem& whole, const CamerasAlone& alone) {
+  RigProblem rig;
+  for (int c = 0; c < static_cast<int>(whole.cameras.size()); ++c) {
+    if (alone.cameras[c]) rig.cameras.push_back(c);
+  }
+  if (rig.cameras.empty()) throw Error(ErrorKind::kNotEnoughData, alone.why_not.front());
+  rig.sub = take_cameras(whole, rig.cameras);
+  CalibrationProblem& problem = rig.sub.problem;
+  rig.own_rules = problem.rules.size();
+  problem.lens_priors = alone.lens_priors;
+  for (const int c : rig.cameras) {
+    std::ranges::copy(alone.given_up[c], std::back_inserter(problem.rules));
+    rig.sigmas_alone.push_back(alone.sigmas[c]);
+  }
+  for (const int v : rig.sub.views) {
+    rig.camera_from_target.push_back(alone.camera_from_target[v]);
+    rig.mirrored.push_back(alone.mirrored[v]);
+    rig.fates.push_back(alone.fates[v]);
+    rig.reasons.push_back(alone.reasons[v]);
+  }
+  return rig;
 }
 
-BundleState rig_state(const CalibrationProblem& problem, const CamerasAlone& alone, const std::vector<int>& cameras,
-                      const RigStart& rig, const std::vector<std::vector<ObservationFate>>& fates) {
+RigStart start_of(const RigProblem& rig, std::vector<StageTime>& stages) {
+  const Stopwatch stopwatch(stages, "start");
+  return initialize_rig(rig.sub.problem, rig.camera_from_target, rig.mirrored);
+}
+
+BundleState state_of(const RigProblem& rig, const RigStart& start, const CamerasAlone& alone) {
+  const CalibrationProblem& problem = rig.sub.problem;
   BundleState state;
-  for (int c : cameras) state.cameras.push_back(*alone.cameras[c]);
-  state.camera_from_rig = rig.camera_from_rig;
-  for (std::size_t c = 1; c < cameras.size(); ++c) {
+  for (const int c : rig.cameras) state.cameras.push_back(*alone.cameras[c]);
+  state.camera_from_rig = start.camera_from_rig;
+  for (std::size_t c = 1; c < rig.cameras.size(); ++c) {
     if (problem.cameras[c].camera_from_rig) state.camera_from_rig[c] = *problem.cameras[c].camera_from_rig;
   }
-  state.poses = rig.poses;
-  state.pose_of_view = rig.pose_of_view;
+  state.poses = start.poses;
+  state.pose_of_view = start.pose_of_view;
   state.shapes.resize(problem.targets.size());
-  state.fates = fates;
+  state.fates = rig.fates;
   mark_projectable(problem, state);
   return state;
+}
+
+std::string fold_warning(const std::string& camera, const InjectivityReport& report) {
+  return fmt::format(
+      "camera {}: the projection is one-to-one only up to {:.1f} degrees off the axis: {:.1f} % of the image, from pixel "
+      "({:.0f}, {:.0f}) outwards, has no ray; harmless outside of a fisheye's image circle, otherwise show boards "
+      "there or take a model for wider lenses such as kannala_brandt, or one with fewer parameters",
+      camera, report.max_angle_rad * 180.0 / M_PI, 100.0 * (1.0 - report.covered_fraction), report.first_offender->x(),
+      report.first_offender->y());
 }
 
 // A lens that folds beyond the corners is an ordinary fisheye with its image circle; one that folds among them is
@@ -66,20 +112,24 @@ void warn_of_folds(const CalibrationProblem& problem, const BundleState& state, 
     }
     const InjectivityReport report = check_injectivity(camera);
     if (report.one_to_one() || report.first_offender_radius_px > farthest_px) continue;
-    result.warnings.push_back("camera " + problem.cameras[c].name + ": " + *injectivity_warning(report));
+    result.warnings.push_back(fold_warning(problem.cameras[c].name, report));
   }
 }
 
 // What the cameras tell together may bend a lens so that it ends among its corners.
-void keep_lenses_beyond_corners(CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
-                                const std::vector<double>& sigmas_alone, std::vector<std::string>& reasons,
-                                JointSolve& solve) {
+void keep_lenses_beyond_corners(CalibrationProblem& problem, const CalibrateOptions& options,
+                                const std::vector<double>& sigmas_alone, JointSolve& solve) {
+  SolvedState& solved = solve.solved;
   const auto solve_again = [&](const CalibrationProblem& simpler, BundleState& of_simpler) {
-    return solve_jointly(simpler, of_simpler, options, sigmas_alone, reasons).summary;
+    SolvedState start{std::move(of_simpler), std::move(solved.reasons), {}};
+    JointSolve again = solve_jointly(simpler, options, sigmas_alone, std::move(start));
+    of_simpler = std::move(again.solved.state);
+    solved.reasons = std::move(again.solved.reasons);
+    return again.solved.summary;
   };
   for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
-    if (!give_up_coefficients(problem, state, c, solve.summary, solve_again)) continue;
-    solve = solve_jointly(problem, state, options, sigmas_alone, reasons, solve.summary);
+    if (!give_up_coefficients(problem, solved.state, c, solved.summary, solve_again)) continue;
+    solve = solve_jointly(problem, options, sigmas_alone, solved);
   }
 }
 
@@ -105,10 +155,11 @@ void name_views_set_aside(const BundleState& state, const std::vector<std::strin
 }
 
 // The result of a problem without its undetermined cameras, as a result of the whole problem.
-CalibrationResult for_whole_problem(const CalibrationProblem& whole, const std::vector<int>& cameras,
-                                    const Subproblem& sub, const CamerasAlone& alone, CalibrationResult result) {
+CalibrationResult for_whole_problem(const CalibrationProblem& whole, const RigProblem& rig, const CamerasAlone& alone,
+                                    CalibrationResult result) {
+  const Subproblem& sub = rig.sub;
   std::vector<CameraSummary> summaries(whole.cameras.size());
-  for (std::size_t c = 0; c < cameras.size(); ++c) summaries[cameras[c]] = result.cameras[c];
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) summaries[rig.cameras[c]] = result.cameras[c];
   std::vector<ViewResult> views(whole.views.size());
   for (std::size_t v = 0; v < sub.views.size(); ++v) views[sub.views[v]] = std::move(result.views[v]);
   for (SetAside& aside : result.set_aside) aside.view = sub.views[aside.view];
@@ -132,71 +183,13 @@ CalibrationResult for_whole_problem(const CalibrationProblem& whole, const std::
   return result;
 }
 
-// All cameras that could be calibrated alone, as one rig.
-//
-// @param stages  the times of what went before
-CalibrationResult calibrate_together(CalibrationProblem problem, const CamerasAlone& alone,
-                                     const CalibrateOptions& options, const std::vector<StageTime>& stages) {
-  CalibrationResult result;
-  result.stages = stages;
-  std::vector<int> cameras;
-  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
-    if (alone.cameras[c]) cameras.push_back(c);
-  }
-  if (cameras.empty()) throw Error(ErrorKind::kNotEnoughData, alone.why_not.front());
-  Subproblem sub = take_cameras(problem, cameras);
-  const std::size_t rules = sub.problem.rules.size();
-  for (const int c : cameras) std::ranges::copy(alone.given_up[c], std::back_inserter(sub.problem.rules));
-  sub.problem.lens_priors = alone.lens_priors;
-  std::vector<std::optional<Rigid3>> camera_from_target, mirrored;
-  std::vector<std::vector<ObservationFate>> fates;
-  std::vector<std::string> reasons;
-  std::vector<double> sigmas_alone;
-  for (const int c : cameras) sigmas_alone.push_back(alone.sigmas[c]);
-  for (int v : sub.views) {
-    fates.push_back(alone.fates[v]);
-    camera_from_target.push_back(alone.camera_from_target[v]);
-    mirrored.push_back(alone.mirrored[v]);
-    reasons.push_back(alone.reasons[v]);
-  }
-  const RigStart rig = rig_start(sub.problem, camera_from_target, mirrored, result.stages);
-  relabel(sub.problem, rig.symmetry_of_view);
-
-  // One bundle for everything.
-  BundleState state = rig_state(sub.problem, alone, cameras, rig, fates);
-  JointSolve solve;
-  {
-    const Stopwatch stopwatch(result.stages, "solve");
-    solve = solve_jointly(sub.problem, state, options, sigmas_alone, reasons, alone.summaries[cameras.front()]);
-    keep_lenses_beyond_corners(sub.problem, state, options, sigmas_alone, reasons, solve);
-  }
-  BundleOptions bundle;
-  bundle.estimate_shape = solve.shape_estimated;
-  bundle.threads = options.threads;
-  {
-    const Stopwatch stopwatch(result.stages, "uncertainty");
-    fill_covariance(sub.problem, state, bundle, result);
-  }
-  result.termination = solve.summary.termination;
-  result.iterations = solve.summary.iterations;
-
-  std::vector<std::optional<CornerEvidence>> evidence;
-  add_further_measurements(options, bundle, sub.problem, state, result, evidence);
-
-  fill_result(sub.problem, state, result);
-  for (std::size_t c = 0; c < cameras.size(); ++c) result.calibration.cameras[c].evidence = evidence[c];
-  for (std::size_t v = 0; v < sub.views.size(); ++v) result.views[v].symmetry = rig.symmetry_of_view[v];
-  name_given_up(sub.problem, rules, result);
-  warn_of_folds(sub.problem, state, result);
-  std::ranges::copy(contradicted_priors(sub.problem, state, result), std::back_inserter(result.warnings));
-  std::ranges::copy_if(solve.ties.untied, std::back_inserter(result.set_aside),
-                       [&](const SetAside& untied) { return state.pose_of_view[untied.view] >= 0; });
-  name_views_set_aside(state, reasons, result);
-  result.lens_priors = lens_priors_in_force(sub.problem);
-  result.outlier_rule = outlier_rule(options);
-  result.gauge = "the rig frame is the frame of camera " + sub.problem.cameras.front().name +
-                 "; the scale comes from the size of the board";
-  if (solve.ties.unsynchronised) {
+// Of what the solve of the rig leaves doubtful.
+void add_warnings(const RigProblem& rig, const BundleState& state, const TieReview& ties, CalibrationResult& result) {
+  const CalibrationProblem& problem = rig.sub.problem;
+  name_given_up(problem, rig.own_rules, result);
+  warn_of_folds(problem, state, result);
+  std::ranges::copy(contradicted_priors(problem, state, result), std::back_inserter(result.warnings));
+  if (ties.unsynchronised) {
     result.warnings.push_back(
         "in most frames the cameras saw the board in different places: they did not expose at the same moment, or the "
         "board was moving; hold it still or synchronise the cameras, and trust the sigmas less");
@@ -204,7 +197,54 @@ CalibrationResult calibrate_together(CalibrationProblem problem, const CamerasAl
   if (result.termination == Termination::kIterationLimit) {
     result.warnings.push_back("the solve stopped at the limit of iterations before it converged");
   }
-  return for_whole_problem(problem, cameras, sub, alone, std::move(result));
+}
+
+// All cameras that could be calibrated alone, as one rig.
+//
+// @param stages  the times of what went before
+CalibrationResult calibrate_together(CalibrationProblem whole, const CamerasAlone& alone,
+                                     const CalibrateOptions& options, const std::vector<StageTime>& stages) {
+  CalibrationResult result;
+  result.stages = stages;
+  RigProblem rig = rig_problem(whole, alone);
+  CalibrationProblem& problem = rig.sub.problem;
+  const RigStart start = start_of(rig, result.stages);
+  relabel(problem, start.symmetry_of_view);
+
+  // One bundle for everything.
+  JointSolve solve;
+  {
+    const Stopwatch stopwatch(result.stages, "solve");
+    SolvedState begin{state_of(rig, start, alone), rig.reasons, alone.summaries[rig.cameras.front()]};
+    solve = solve_jointly(problem, options, rig.sigmas_alone, std::move(begin));
+    keep_lenses_beyond_corners(problem, options, rig.sigmas_alone, solve);
+  }
+  BundleState& state = solve.solved.state;
+  BundleOptions bundle;
+  bundle.estimate_shape = solve.shape_estimated;
+  bundle.threads = options.threads;
+  {
+    const Stopwatch stopwatch(result.stages, "uncertainty");
+    fill_covariance(problem, state, bundle, result);
+  }
+  result.termination = solve.solved.summary.termination;
+  result.iterations = solve.solved.summary.iterations;
+
+  std::vector<std::optional<CornerEvidence>> evidence;
+  add_further_measurements(options, bundle, problem, state, result, evidence);
+
+  fill_result(problem, state, result);
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) result.calibration.cameras[c].evidence = evidence[c];
+  for (std::size_t v = 0; v < rig.sub.views.size(); ++v) result.views[v].symmetry = start.symmetry_of_view[v];
+  add_warnings(rig, state, solve.ties, result);
+  std::ranges::copy_if(solve.ties.untied, std::back_inserter(result.set_aside),
+                       [&](const SetAside& untied) { return state.pose_of_view[untied.view] >= 0; });
+  name_views_set_aside(state, solve.solved.reasons, result);
+  result.lens_priors = lens_priors_in_force(problem);
+  result.outlier_rule = outlier_rule(options);
+  result.gauge = "the rig frame is the frame of camera " + problem.cameras.front().name +
+                 "; the scale comes from the size of the board";
+  return for_whole_problem(whole, rig, alone, std::move(result));
 }
 
 // Whether a camera sees a board in a frame in which another one sees it, too.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 #include "lens_certainty.hpp"
 #include "local_optima.hpp"
@@ -28,32 +29,28 @@ CameraStart start_of(const CalibrationProblem& single, std::vector<StageTime>& s
 
 // Replaces a lens that ends among its corners. Tells the coefficients that had to be given up, and adds them to the
 // problem's rules.
-std::vector<ParameterRule> keep_lens_beyond_corners(CalibrationProblem& single, BundleState& state,
-                                                    const CalibrateOptions& options, std::vector<std::string>& reasons,
+std::vector<ParameterRule> keep_lens_beyond_corners(CalibrationProblem& single, const CalibrateOptions& options,
                                                     CameraOptimum& optimum) {
+  SolvedState& solved = optimum.solved;
   const auto solve = [&](const CalibrationProblem& simpler, BundleState& of_simpler) {
     solve_robustly(simpler, of_simpler, options);
-    return solve_without_outliers(simpler, of_simpler, options, false, reasons);
+    return solve_without_outliers(simpler, of_simpler, options, false, solved.reasons);
   };
-  if (!ends_among_corners(single, state, 0)) return {};
+  if (!ends_among_corners(single, solved.state, 0)) return {};
   CalibrationProblem simpler = single;
-  if (!give_up_coefficients(simpler, state, 0, optimum.summary, solve)) return {};
+  if (!give_up_coefficients(simpler, solved.state, 0, solved.summary, solve)) return {};
   std::vector<ParameterRule> given_up(simpler.rules.begin() + static_cast<std::ptrdiff_t>(single.rules.size()),
                                       simpler.rules.end());
   // The lens that was replaced may have cost views.
-  if (give_second_chance(simpler, state, options, reasons)) optimum.summary = solve(simpler, state);
+  if (give_second_chance(simpler, solved.state, options, solved.reasons)) solved.summary = solve(simpler, solved.state);
   // With all coefficients there may be such a lens farther away, and a better one.
-  SolvedState fuller{state, reasons, optimum.summary};
-  const CameraOptimum of_fuller = leave_local_optima(single, fuller.state, options, fuller.reasons, fuller.summary);
-  fuller.summary = of_fuller.summary;
-  if (given_up.empty() || is_better(single, fuller, {state, reasons, optimum.summary}, options)) {
-    state = std::move(fuller.state);
-    reasons = std::move(fuller.reasons);
-    optimum = of_fuller;
+  CameraOptimum fuller = leave_local_optima(single, options, solved);
+  if (given_up.empty() || is_better(single, fuller.solved, solved, options)) {
+    optimum = std::move(fuller);
     return {};
   }
   single = std::move(simpler);
-  optimum = leave_local_optima(single, state, options, reasons, optimum.summary);
+  optimum = leave_local_optima(single, options, std::move(solved));
   return given_up;
 }
 
@@ -99,10 +96,10 @@ void solve_camera_alone(const CalibrationProblem& problem, int camera, const Cal
   SolvedState solved = solve_from_best(start, single.problem, options);
   win_back_views(single.problem, options, solved);
   settle_lens_priors(single.problem, options, solved);
-  auto& [state, reasons, summary] = solved;
-  CameraOptimum optimum = leave_local_optima(single.problem, state, options, reasons, summary);
-  alone.given_up[camera] = keep_lens_beyond_corners(single.problem, state, options, reasons, optimum);
-  alone.summaries[camera] = optimum.summary;
+  CameraOptimum optimum = leave_local_optima(single.problem, options, std::move(solved));
+  alone.given_up[camera] = keep_lens_beyond_corners(single.problem, options, optimum);
+  const auto& [state, reasons, summary] = optimum.solved;
+  alone.summaries[camera] = summary;
   alone.sigmas[camera] = robust_sigmas(single.problem, state)[0];
   std::ranges::copy(single.problem.lens_priors, std::back_inserter(alone.lens_priors));
   if (problem.cameras.size() == 1) refuse_open_lens(single.problem, state, optimum.projection_sigma_px);

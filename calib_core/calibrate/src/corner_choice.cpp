@@ -11,7 +11,6 @@
 #include "lost_views.hpp"
 #include "raybundle/bundle/parameters.hpp"
 #include "raybundle/calibrate/lens_domain.hpp"
-#include "robust_solve.hpp"
 
 namespace raybundle {
 namespace {
@@ -153,23 +152,13 @@ std::size_t count_used(const BundleState& state) {
   return used;
 }
 
-bool choose_corners_again(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
-                          std::vector<std::string>& reasons, BundleSummary& summary) {
-  const bool few_views = single.views.size() <= kMostViews, few_corners = swallows_noise(single, state);
-  if (!few_views && !few_corners) return false;  // nor is anything copied
-  SolvedState solved{state, reasons, summary};
-  const auto chosen_again = [&] {
-    if (few_views && (readmit_views(single, options, solved) || win_back_views(single, options, solved))) return true;
-    if (!few_corners) return false;
-    const double limit_sigmas = kReadmitted * options.outlier_sigma * robust_sigmas(single, state)[0];
-    if (readmit_corners(single, options, limit_sigmas, solved)) return true;
-    return count_used(state) <= kMostExchanged && exchange_corners(single, options, limit_sigmas, solved);
-  };
-  if (!chosen_again()) return false;
-  state = std::move(solved.state);
-  reasons = std::move(solved.reasons);
-  summary = solved.summary;
-  return true;
+bool choose_corners_again(const CalibrationProblem& single, const CalibrateOptions& options, SolvedState& solved) {
+  const bool few_views = single.views.size() <= kMostViews;
+  if (few_views && (readmit_views(single, options, solved) || win_back_views(single, options, solved))) return true;
+  if (!swallows_noise(single, solved.state)) return false;
+  const double limit_sigmas = kReadmitted * options.outlier_sigma * robust_sigmas(single, solved.state)[0];
+  if (readmit_corners(single, options, limit_sigmas, solved)) return true;
+  return count_used(solved.state) <= kMostExchanged && exchange_corners(single, options, limit_sigmas, solved);
 }
 
 }  // namespace raybundle

@@ -3,11 +3,8 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
-#include <vector>
 
-#include "raybundle/bundle/bundle.hpp"
-#include "raybundle/calibrate/calibrate.hpp"
+#include "robust_solve.hpp"
 
 namespace raybundle {
 
@@ -18,11 +15,8 @@ std::size_t count_used(const BundleState& state);  ///< corners
 /// held in place, and a wrong one may hold the camera or its board where right ones seem wrong: takes in corners that
 /// were left out, else exchanges one for one that was not where all corners fit better so.
 ///
-/// @param single   a problem with one camera
-/// @param reasons  aligned with problem.views
-/// @param summary  of the solve that the state came from; of the new one when it changes
-/// @return         whether the state changed
-bool choose_corners_again(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
-                          std::vector<std::string>& reasons, BundleSummary& summary);
+/// @param single  a problem with one camera
+/// @return        whether the state changed
+bool choose_corners_again(const CalibrationProblem& single, const CalibrateOptions& options, SolvedState& solved);
 
 }  // namespace raybundle

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <utility>
 
 #include "board_sizes.hpp"
 #include "raybundle/bundle/parameters.hpp"
 #include "raybundle/geometry/error.hpp"
-#include "robust_solve.hpp"
 #include "subproblem.hpp"
 
 namespace raybundle {
@@ -164,35 +164,35 @@ bool data_carry_shape(const CalibrationProblem& problem, const BundleState& flat
   return gain > kSmallestGain * chi2_flat && gain / parameters > 20.0 * chi2_bent / (2.0 * corners);
 }
 
+// Bends the boards where that is asked for and the data carry it; whether it did.
+bool bend_boards(const CalibrationProblem& problem, const CalibrateOptions& options, SolvedState& flat) {
+  const bool flat_board = std::ranges::any_of(problem.targets, &Target::flat);
+  if (!options.estimate_shape || !flat_board || flat.summary.termination == Termination::kFailed) return false;
+  if (!shape_may_pay(problem, flat.state, options)) return false;
+  SolvedState bent = flat;
+  bent.summary = solve_without_outliers(problem, bent.state, options, true, bent.reasons);
+  if (bent.summary.termination == Termination::kFailed) return false;
+  if (!data_carry_shape(problem, flat.state, bent.state)) return false;
+  flat = std::move(bent);
+  return true;
+}
+
 }  // namespace
 
-JointSolve solve_jointly(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
-                         const std::vector<double>& sigmas_alone, std::vector<std::string>& reasons,
-                         const BundleSummary& solved) {
-  JointSolve solve;
-  solve.summary = solved;
-  if (problem.cameras.size() > 1) solve.summary = solve_rig(problem, state, options, sigmas_alone, solve.ties);
+JointSolve solve_jointly(const CalibrationProblem& problem, const CalibrateOptions& options,
+                         const std::vector<double>& sigmas_alone, SolvedState start) {
+  JointSolve solve{std::move(start), {}, false};
+  auto& [state, reasons, summary] = solve.solved;
+  if (problem.cameras.size() > 1) summary = solve_rig(problem, state, options, sigmas_alone, solve.ties);
   if (!solve.ties.unsynchronised) {
     const bool changed = give_second_chance(problem, state, options, reasons);
     const bool still_solved = problem.cameras.size() == 1 && !changed;
-    solve.summary =
-        solve_without_outliers(problem, state, options, false, reasons, still_solved ? solve.summary : BundleSummary{});
-    const bool flat_board = std::ranges::any_of(problem.targets, &Target::flat);
-    if (options.estimate_shape && flat_board && solve.summary.termination != Termination::kFailed &&
-        shape_may_pay(problem, state, options)) {
-      BundleState bent = state;
-      std::vector<std::string> bent_reasons = reasons;
-      const BundleSummary summary = solve_without_outliers(problem, bent, options, true, bent_reasons);
-      if (summary.termination != Termination::kFailed && data_carry_shape(problem, state, bent)) {
-        solve.summary = summary;
-        solve.shape_estimated = true;
-        state = bent;
-        reasons = bent_reasons;
-      }
-    }
+    const BundleSummary so_far = still_solved ? summary : BundleSummary{};
+    summary = solve_without_outliers(problem, state, options, false, reasons, so_far);
+    solve.shape_estimated = bend_boards(problem, options, solve.solved);
   }
-  if (solve.summary.termination == Termination::kFailed) {
-    throw Error(ErrorKind::kSolveFailed, "the bundle adjustment broke down: " + solve.summary.message);
+  if (summary.termination == Termination::kFailed) {
+    throw Error(ErrorKind::kSolveFailed, "the bundle adjustment broke down: " + summary.message);
   }
   refuse_unlinked(problem, state);
   return solve;

@@ -19,11 +19,11 @@ namespace raybundle {
 namespace {
 
 constexpr int kMaxRounds = 8;
-constexpr int kFewestHits = 2;         // of a beam without a model to lean on
-constexpr int kHitsOfStrong = 3;       // of a beam that needs no prior ...
-constexpr double kStrongDepthM = 0.1;  // ... and how far apart along it they lie
-constexpr double kLooseness = 3.0;     // a prior's sigma over the farthest of the strong beams
-constexpr int kFewestStrong = 8;       // beams that tell how well the common model holds
+constexpr int kFewestHits = 2;          // of a beam without a model to lean on
+constexpr int kHitsOfStrong = 3;        // of a beam that needs no prior ...
+constexpr double kStrongDepth_m = 0.1;  // ... and how far apart along it they lie
+constexpr double kLooseness = 3.0;      // a prior's sigma over the farthest of the strong beams
+constexpr int kFewestStrong = 8;        // beams that tell how well the common model holds
 
 LaserScene scene_of(const CalibrationProblem& problem, const BundleState& state) {
   LaserScene scene{problem, state.cameras, state.camera_from_rig, {}, state.shapes};
@@ -75,7 +75,7 @@ double robust_scale(const CalibrationProblem& problem, const BundleState& state)
 void scale_dots(CalibrationProblem& problem, double scale) {
   for (TargetView& view : problem.views) {
     for (Dot& dot : view.dots) {
-      const double least = kSmallestSigmaPx * kSmallestSigmaPx / dot.covariance_px2.diagonal().minCoeff();
+      const double least = kSmallestSigma_px * kSmallestSigma_px / dot.covariance_px2.diagonal().minCoeff();
       dot.covariance_px2 *= std::max(scale * scale, least);
     }
   }
@@ -127,7 +127,7 @@ std::vector<std::optional<BeamPrior>> priors_of(const LaserPattern& pattern, con
   std::vector<int> weak;
   for (int b = 0; b < pattern.grid.size(); ++b) {
     if (!state.beams[b]) continue;
-    const bool strong = hits[b].count() >= kHitsOfStrong && hits[b].depth_m() >= kStrongDepthM;
+    const bool strong = hits[b].count() >= kHitsOfStrong && hits[b].depth_m() >= kStrongDepth_m;
     if (!strong) weak.push_back(b);
     const std::optional<Line3> model = line_of_model(pattern, b, state.beams[b]->point);
     if (!strong || !model) continue;
@@ -151,7 +151,7 @@ void drop_undetermined(const std::vector<BeamRanges>& hits, const std::vector<st
                        BundleState& state) {
   for (std::size_t b = 0; b < state.beams.size(); ++b) {
     if (!state.beams[b] || (!priors.empty() && priors[b])) continue;
-    const bool determined = hits[b].count() >= kFewestHits && hits[b].depth_m() > 0.1 * kStrongDepthM;
+    const bool determined = hits[b].count() >= kFewestHits && hits[b].depth_m() > 0.1 * kStrongDepth_m;
     if (!determined) state.beams[b].reset();
   }
 }
@@ -195,8 +195,8 @@ double label_tolerance_px(const LaserSolve& solve) {
       sigmas.push_back(std::sqrt(0.5 * solve.problem.views[v].dots[i].covariance_px2.trace()));
     }
   }
-  constexpr double kLeastPx = 0.05;  // exact data: rounding is not to decide
-  return std::max(4.0 * median(sigmas), kLeastPx);
+  constexpr double kLeast_px = 0.05;  // exact data: rounding is not to decide
+  return std::max(4.0 * median(sigmas), kLeast_px);
 }
 
 }  // namespace
@@ -265,9 +265,9 @@ void fill_uncertainty(const LaserSolve& solve, const Covariance& parameters, dou
     if (!of_beam) continue;
     beam.covariance = variance_factor * of_beam->of_beam;
     const Eigen::MatrixXd with_parameters = variance_factor * of_beam->with_parameters;
-    for (std::size_t d = 0; d < kStatedDepthsM.size(); ++d) {
+    for (std::size_t d = 0; d < kStatedDepths_m.size(); ++d) {
       beam.depths[d] =
-          beam_depth(first_camera, parameters, beam.line, beam.covariance, with_parameters, kStatedDepthsM[d]);
+          beam_depth(first_camera, parameters, beam.line, beam.covariance, with_parameters, kStatedDepths_m[d]);
     }
     determined.push_back(beam);
   }

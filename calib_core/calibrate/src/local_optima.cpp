@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "camera_corners.hpp"
 #include "corner_choice.hpp"
@@ -12,7 +13,6 @@
 #include "lower_optima.hpp"
 #include "raybundle/calibrate/lens_domain.hpp"
 #include "raybundle/initialize/other_optima.hpp"
-#include "robust_solve.hpp"
 #include "weak_directions.hpp"
 
 namespace raybundle {
@@ -21,8 +21,8 @@ namespace {
 constexpr std::size_t kMostRays = 400;  // of the lens's field, spread over the views
 constexpr int kRounds = 6;              // from a lower optimum to the next
 constexpr double kAlikeSigmas = 3.0;    // two optima of the same corners differ by no more in where they project
-constexpr double kLeastAlikePx = 0.5;
-constexpr double kMostAlikePx = 20.0;
+constexpr double kLeastAlike_px = 0.5;
+constexpr double kMostAlike_px = 20.0;
 constexpr double kWonBack = 1000.0;        // squared sigmas that a turned board may cost at first: it has bent the lens
 constexpr std::size_t kMostTried = 8;      // boards that are turned one by one
 constexpr std::size_t kMostViews = 100;    // of which one could move the camera
@@ -69,8 +69,9 @@ bool turn_mirrored_boards(BundleState& state, const std::vector<Mirrored>& mirro
 
 // A board that fits its mirrored pose nearly as well may fit it better once the camera has moved too. Tries those by
 // which the cost grows by less than the camera could win back. Of many views no single one moves the camera.
-bool try_mirrored_boards(const CalibrationProblem& single, BundleState& state, std::vector<Mirrored> mirrored,
-                         const CalibrateOptions& options, BundleSummary& summary) {
+bool try_mirrored_boards(const CalibrationProblem& single, std::vector<Mirrored> mirrored,
+                         const CalibrateOptions& options, SolvedState& solved) {
+  auto& [state, reasons, summary] = solved;
   if (single.views.size() > kMostViews) return false;
   const double variance = std::pow(robust_sigmas(single, state)[0], 2);
   for (Mirrored& board : mirrored) {
@@ -105,7 +106,7 @@ bool try_mirrored_boards(const CalibrationProblem& single, BundleState& state, s
 // the valleys that begin here and there.
 std::vector<Camera> cameras_alike(const CalibrationProblem& single, const BundleState& state, double sigma_px) {
   const std::vector<Eigen::Vector3d> rays = rays_seen(single, state);
-  const double alike_px = std::clamp(kAlikeSigmas * sigma_px, kLeastAlikePx, kMostAlikePx);
+  const double alike_px = std::clamp(kAlikeSigmas * sigma_px, kLeastAlike_px, kMostAlike_px);
   std::vector<Camera> alike = twin_cameras(state.cameras[0], rays, alike_px);
   std::vector<Camera> starts{state.cameras[0]};
   if (!alike.empty()) starts.push_back(alike.front());
@@ -117,14 +118,14 @@ std::vector<Camera> cameras_alike(const CalibrationProblem& single, const Bundle
 
 // Whether a lower optimum gains no more than noise may and leaves the lens open that was not, although it projects
 // nearly alike: what opens it are parameters that happen to lie where the model does not tell them apart.
-bool opens_for_noise(const CalibrationProblem& single, const BundleState& state, const CameraOptimum& here,
-                     const BundleState& lower_state, const CameraOptimum& lower) {
+bool opens_for_noise(const CalibrationProblem& single, const CameraOptimum& here, const CameraOptimum& lower) {
+  const BundleState& state = here.solved.state;
   const ImageSize size = state.cameras[0].size;
   const auto alike = [&] {
     const std::vector<Eigen::Vector3d> rays = rays_seen(single, state);
-    return !leaves_lens_open(size, projection_distance_px(state.cameras[0], lower_state.cameras[0], rays));
+    return !leaves_lens_open(size, projection_distance_px(state.cameras[0], lower.solved.state.cameras[0], rays));
   };
-  const double gain = here.summary.final_cost - lower.summary.final_cost;
+  const double gain = here.solved.summary.final_cost - lower.solved.summary.final_cost;
   const bool by_noise = 2.0 * gain < std::pow(kAlikeSigmas * robust_sigmas(single, state)[0], 2);
   return by_noise && leaves_lens_open(size, lower.projection_sigma_px) &&
          !leaves_lens_open(size, here.projection_sigma_px) && alike();
@@ -132,27 +133,24 @@ bool opens_for_noise(const CalibrationProblem& single, const BundleState& state,
 
 // Goes where `move` leads, unless that opens the lens for noise.
 template <typename Move>
-bool move_to_lower_by(const Move& move, const CalibrationProblem& single, BundleState& state,
-                      const CalibrateOptions& options, CameraOptimum& optimum) {
+bool move_to_lower_by(const Move& move, const CalibrationProblem& single, const CalibrateOptions& options,
+                      CameraOptimum& optimum) {
   CameraOptimum lower = optimum;
-  BundleState other = state;
-  if (!move(other, lower.summary)) return false;
-  lower.projection_sigma_px = projection_sigma_px(single, other, options.threads);
-  if (opens_for_noise(single, state, optimum, other, lower)) return false;
-  state = std::move(other);
-  optimum = lower;
+  if (!move(lower.solved)) return false;
+  lower.projection_sigma_px = projection_sigma_px(single, lower.solved.state, options.threads);
+  if (opens_for_noise(single, optimum, lower)) return false;
+  optimum = std::move(lower);
   return true;
 }
 
 // Moves to the lowest optimum of a lens that puts corners nearly where the state's does, as near as they can tell, if
 // it is lower: by more than noise makes it where it leaves open a lens that was not and that projects nearly alike.
-bool move_to_lower_alike(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
-                         CameraOptimum& optimum) {
-  const auto move = [&](BundleState& other, BundleSummary& summary) {
-    const std::vector<Camera> alike = cameras_alike(single, other, optimum.projection_sigma_px);
-    return move_to_lower(single, other, alike, options, summary);
+bool move_to_lower_alike(const CalibrationProblem& single, const CalibrateOptions& options, CameraOptimum& optimum) {
+  const auto move = [&](SolvedState& solved) {
+    const std::vector<Camera> alike = cameras_alike(single, solved.state, optimum.projection_sigma_px);
+    return move_to_lower(single, alike, options, solved);
   };
-  return move_to_lower_by(move, single, state, options, optimum);
+  return move_to_lower_by(move, single, options, optimum);
 }
 
 // How well the projection is known by other lenses that fit nearly as well, which the slopes at the optimum do not see:
@@ -173,20 +171,18 @@ double sigma_by_others_px(const CalibrationProblem& single, const BundleState& s
 
 // Views that leave a lens loose may have optima anywhere along what they do not tell. Moves to a lower one; where there
 // is none, the lens is known no better than the lenses tell that the search came past.
-bool move_to_lower_of_loose(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
-                            CameraOptimum& optimum) {
+bool move_to_lower_of_loose(const CalibrationProblem& single, const CalibrateOptions& options, CameraOptimum& optimum) {
+  const BundleState& state = optimum.solved.state;
   const ImageSize size = state.cameras[0].size;
   const bool loose = optimum.projection_sigma_px > kLooseShare * std::max(size.width, size.height);
   if (!loose || count_used(state) > kMostLoose) return false;
   std::vector<CostedState> starts = states_along_weakest(single, state, options.threads);
   std::vector<CostedState> come_past = states_of_other_focals(single, state, options.threads);
   starts.insert(starts.end(), come_past.begin(), come_past.end());
-  const auto move = [&](BundleState& other, BundleSummary& summary) {
-    return move_to_lower(single, other, starts, options, summary);
-  };
-  if (move_to_lower_by(move, single, state, options, optimum)) return true;
+  const auto move = [&](SolvedState& solved) { return move_to_lower(single, starts, options, solved); };
+  if (move_to_lower_by(move, single, options, optimum)) return true;
   come_past.insert(come_past.end(), starts.begin(), starts.end());  // which are where the solves have come to
-  const double by_others_px = sigma_by_others_px(single, state, optimum.summary.final_cost, come_past);
+  const double by_others_px = sigma_by_others_px(single, state, optimum.solved.summary.final_cost, come_past);
   optimum.projection_sigma_px = std::max(optimum.projection_sigma_px, by_others_px);
   return false;
 }
@@ -207,30 +203,33 @@ std::vector<std::optional<Rigid3>> mirrored_boards(const CalibrationProblem& sin
   return camera_from_target;
 }
 
-CameraOptimum leave_local_optima(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
-                                 std::vector<std::string>& reasons, const BundleSummary& solved) {
-  CameraOptimum optimum{solved, std::nan("")};
-  BundleSummary& summary = optimum.summary;
-  const auto failed = [&] { return summary.termination == Termination::kFailed; };
+CameraOptimum leave_local_optima(const CalibrationProblem& single, const CalibrateOptions& options,
+                                 SolvedState solved) {
+  CameraOptimum optimum{std::move(solved), std::nan("")};
+  SolvedState& here = optimum.solved;
+  const auto failed = [&] { return here.summary.termination == Termination::kFailed; };
   if (failed()) return optimum;
-  std::vector<Mirrored> mirrored = mirrored_of(single, state);
-  if (turn_mirrored_boards(state, mirrored)) {
-    summary = solve_without_outliers(single, state, options, false, reasons);
+  const auto solve_on = [&](const BundleSummary& so_far) {
+    here.summary = solve_without_outliers(single, here.state, options, false, here.reasons, so_far);
+  };
+  std::vector<Mirrored> mirrored = mirrored_of(single, here.state);
+  if (turn_mirrored_boards(here.state, mirrored)) {
+    solve_on({});
     if (failed()) return optimum;
-    mirrored = mirrored_of(single, state);
+    mirrored = mirrored_of(single, here.state);
   }
   // The camera that one board had bent may have kept another one from turning.
   for (int round = 0; round < kRounds && !failed(); ++round) {
-    if (!try_mirrored_boards(single, state, mirrored, options, summary)) break;
-    summary = solve_without_outliers(single, state, options, false, reasons, summary);
-    if (!failed()) mirrored = mirrored_of(single, state);
+    if (!try_mirrored_boards(single, mirrored, options, here)) break;
+    solve_on(here.summary);
+    if (!failed()) mirrored = mirrored_of(single, here.state);
   }
   const auto measure = [&] {
-    optimum.projection_sigma_px = failed() ? std::nan("") : projection_sigma_px(single, state, options.threads);
+    optimum.projection_sigma_px = failed() ? std::nan("") : projection_sigma_px(single, here.state, options.threads);
   };
   const auto descend_by = [&](const auto& move) {
-    for (int round = 0; round < kRounds && !failed() && move(single, state, options, optimum); ++round) {
-      summary = solve_without_outliers(single, state, options, false, reasons, summary);
+    for (int round = 0; round < kRounds && !failed() && move(single, options, optimum); ++round) {
+      solve_on(here.summary);
       measure();
     }
   };
@@ -241,7 +240,7 @@ CameraOptimum leave_local_optima(const CalibrationProblem& single, BundleState& 
   };
   descend();
   for (int round = 0; round < kRounds && !failed(); ++round) {
-    if (!choose_corners_again(single, state, options, reasons, summary)) break;
+    if (!choose_corners_again(single, options, here)) break;
     descend();
   }
   return optimum;

@@ -3,17 +3,15 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
-#include "raybundle/bundle/bundle.hpp"
-#include "raybundle/calibrate/calibrate.hpp"
+#include "robust_solve.hpp"
 
 namespace raybundle {
 
 /// Where a camera alone has come to.
 struct CameraOptimum {
-  BundleSummary summary;  ///< of the last solve
+  SolvedState solved;
   /// projection_sigma_px() of the state, or more where lenses that fit as well project otherwise; NaN when the solve
   /// failed.
   double projection_sigma_px = 0.0;
@@ -23,12 +21,9 @@ struct CameraOptimum {
 /// model has a twin that fits better, views that were lost, and wrong corners among few. The state changes only to one
 /// of lower cost or, where other corners take part, that all corners fit better or more of them take part in.
 ///
-/// @param single   a problem with one camera
-/// @param reasons  aligned with problem.views
-/// @param solved   how the state came about
-/// @return         with `solved` where nothing was better
-CameraOptimum leave_local_optima(const CalibrationProblem& single, BundleState& state, const CalibrateOptions& options,
-                                 std::vector<std::string>& reasons, const BundleSummary& solved);
+/// @param single  a problem with one camera
+/// @return        `solved` where nothing was better
+CameraOptimum leave_local_optima(const CalibrationProblem& single, const CalibrateOptions& options, SolvedState solved);
 
 /// Rays of corners in use, spread over the views, through the solved camera: some hundreds of them.
 std::vector<Eigen::Vector3d> rays_seen(const CalibrationProblem& single, const BundleState& state);

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "raybundle/calibrate/lens_domain.hpp"
-#include "robust_solve.hpp"
 
 namespace raybundle {
 namespace {
@@ -83,35 +82,35 @@ std::vector<OtherSolve> lower_optima(const CalibrationProblem& single, const Bun
 }
 
 // Moves to the lowest of them, if there is one; whether it did.
-bool take_lowest(std::vector<OtherSolve> lower, BundleState& state, BundleSummary& summary) {
+bool take_lowest(std::vector<OtherSolve> lower, SolvedState& solved) {
   if (lower.empty()) return false;
-  state = std::move(lower.front().state);
-  summary = lower.front().summary;
+  solved.state = std::move(lower.front().state);
+  solved.summary = lower.front().summary;
   return true;
 }
 
 }  // namespace
 
-bool move_to_lower(const CalibrationProblem& single, BundleState& state, const std::vector<Camera>& others,
-                   const CalibrateOptions& options, BundleSummary& summary) {
+bool move_to_lower(const CalibrationProblem& single, const std::vector<Camera>& others, const CalibrateOptions& options,
+                   SolvedState& solved) {
   if (others.empty()) return false;
   const BundleOptions bundle = bundle_options(options);
-  BundleState fewer = with_fewer_views(state);
-  const bool all = fewer.pose_of_view == state.pose_of_view;
-  const double cost = all ? summary.final_cost : solve_bundle(single, fewer, bundle).final_cost;
+  BundleState fewer = with_fewer_views(solved.state);
+  const bool all = fewer.pose_of_view == solved.state.pose_of_view;
+  const double cost = all ? solved.summary.final_cost : solve_bundle(single, fewer, bundle).final_cost;
   std::vector<CostedState> starts = with_cameras(fewer, others);
   std::vector<OtherSolve> lower = lower_optima(single, fewer, cost, starts, bundle);
   if (!all && !lower.empty()) {
-    starts = with_cameras(state, {lower.front().state.cameras[0]});
-    lower = lower_optima(single, state, summary.final_cost, starts, bundle);
+    starts = with_cameras(solved.state, {lower.front().state.cameras[0]});
+    lower = lower_optima(single, solved.state, solved.summary.final_cost, starts, bundle);
   }
-  return take_lowest(std::move(lower), state, summary);
+  return take_lowest(std::move(lower), solved);
 }
 
-bool move_to_lower(const CalibrationProblem& single, BundleState& state, std::vector<CostedState>& others,
-                   const CalibrateOptions& options, BundleSummary& summary) {
-  const double cost = summary.final_cost;
-  return take_lowest(lower_optima(single, state, cost, others, bundle_options(options)), state, summary);
+bool move_to_lower(const CalibrationProblem& single, std::vector<CostedState>& others, const CalibrateOptions& options,
+                   SolvedState& solved) {
+  const double cost = solved.summary.final_cost;
+  return take_lowest(lower_optima(single, solved.state, cost, others, bundle_options(options)), solved);
 }
 
 }  // namespace raybundle

@@ -4,8 +4,7 @@
 
 #include <vector>
 
-#include "raybundle/bundle/bundle.hpp"
-#include "raybundle/calibrate/calibrate.hpp"
+#include "robust_solve.hpp"
 
 namespace raybundle {
 
@@ -18,17 +17,16 @@ struct CostedState {
 /// Moves to the lowest optimum that solves from other cameras lead to, with the boards where they are, if it is lower
 /// than where the state is. Of many views some tell whether there is one.
 ///
-/// @param single   a problem with one camera
-/// @param summary  of the solve that led to the state; of the new one when it moves
-/// @return         whether it moved
-bool move_to_lower(const CalibrationProblem& single, BundleState& state, const std::vector<Camera>& others,
-                   const CalibrateOptions& options, BundleSummary& summary);
+/// @param single  a problem with one camera
+/// @return        whether it moved
+bool move_to_lower(const CalibrationProblem& single, const std::vector<Camera>& others, const CalibrateOptions& options,
+                   SolvedState& solved);
 
 /// The same from other states, whose boards have followed their cameras; all views tell.
 ///
 /// @param others  where solves begin; then where they have come to after some steps, without those that broke down
 ///                or spoil the lens
-bool move_to_lower(const CalibrationProblem& single, BundleState& state, std::vector<CostedState>& others,
-                   const CalibrateOptions& options, BundleSummary& summary);
+bool move_to_lower(const CalibrationProblem& single, std::vector<CostedState>& others, const CalibrateOptions& options,
+                   SolvedState& solved);
 
 }  // namespace raybundle

@@ -15,7 +15,7 @@
 namespace raybundle {
 namespace {
 
-constexpr double kSmallestDistancePx = 1e-3;  // exact data: rounding is not to be mistaken for outliers
+constexpr double kSmallestDistance_px = 1e-3;  // exact data: rounding is not to be mistaken for outliers
 constexpr int kMaxRounds = 8;
 constexpr int kRobustIterations = 8;       // of a round: enough to tell outliers; least squares does the rest
 constexpr double kRobustSettled = 1e-4;    // the same
@@ -69,11 +69,11 @@ int shared_pose(const CalibrationProblem& problem, BundleState state, int view) 
 // pixel off can agree on a wrong pose. Then with the usual tolerance.
 std::optional<Rigid3> pose_again(const CalibrationProblem& problem, const TargetView& view, const Camera& camera,
                                  double limit_px, std::string& reason) {
-  constexpr double kUsualPx = 3.0;
-  if (limit_px < kUsualPx) {
+  constexpr double kUsual_px = 3.0;
+  if (limit_px < kUsual_px) {
     if (auto pose = initialize_view(problem, view, camera, reason, limit_px)) return pose;
   }
-  return initialize_view(problem, view, camera, reason, kUsualPx);
+  return initialize_view(problem, view, camera, reason, kUsual_px);
 }
 
 // Marks one view's corners by their distances; sets the view aside when most of them are outliers.
@@ -84,7 +84,7 @@ void mark_view(const CalibrationProblem& problem, const std::vector<double>& dis
   for (std::size_t i = 0; i < distances.size(); ++i) {
     const double sigma = problem.views[view].observations[i].sigma_px;
     const bool fits =
-        std::isfinite(distances[i]) && (distances[i] <= limit || distances[i] * sigma <= kSmallestDistancePx);
+        std::isfinite(distances[i]) && (distances[i] <= limit || distances[i] * sigma <= kSmallestDistance_px);
     fates[i] = fits ? ObservationFate::kUsed
                     : (std::isinf(distances[i]) ? ObservationFate::kUnprojectable : ObservationFate::kOutlier);
     used += fits;
@@ -219,7 +219,7 @@ BundleSummary solve_robustly(const CalibrationProblem& problem, BundleState& sta
     const bool under_way = summary.termination == Termination::kIterationLimit;
     if (!(sigma < (under_way ? 0.98 : 0.9) * previous)) break;  // the scale has settled
     previous = sigma;
-    bundle.robust_scale_sigma = options.robust_scale_sigma * std::max(sigma, kSmallestDistancePx);
+    bundle.robust_scale_sigma = options.robust_scale_sigma * std::max(sigma, kSmallestDistance_px);
     summary = solve_bundle(problem, state, bundle);
     if (summary.termination == Termination::kFailed) break;
     mark_projectable(problem, state);
@@ -238,7 +238,7 @@ bool give_second_chance(const CalibrationProblem& problem, BundleState& state, c
     const Rigid3& camera_from_rig = state.camera_from_rig[view.camera];
     std::string reason;
     const double limit_px =
-        std::max(options.outlier_sigma * sigmas[view.camera] * view.observations[0].sigma_px, kSmallestDistancePx);
+        std::max(options.outlier_sigma * sigmas[view.camera] * view.observations[0].sigma_px, kSmallestDistance_px);
     const std::optional<Rigid3> own = pose_again(problem, view, state.cameras[view.camera], limit_px, reason);
     if (!own) {
       reasons[v] = reason;

@@ -84,7 +84,7 @@ void relabel(CalibrationProblem& problem, const std::vector<int>& symmetry_of_vi
 void scale_corners(CalibrationProblem& problem, double scale) {
   for (TargetView& view : problem.views) {
     for (Observation& observation : view.observations) {
-      observation.sigma_px = std::max(scale * observation.sigma_px, kSmallestSigmaPx);
+      observation.sigma_px = std::max(scale * observation.sigma_px, kSmallestSigma_px);
     }
   }
 }

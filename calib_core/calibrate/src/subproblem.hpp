@@ -10,7 +10,7 @@
 
 namespace raybundle {
 
-constexpr double kSmallestSigmaPx = 1e-4;  ///< exact data: rounding is not to be mistaken for outliers
+constexpr double kSmallestSigma_px = 1e-4;  ///< exact data: rounding is not to be mistaken for outliers
 
 /// A problem with some of the cameras of another one.
 struct Subproblem {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "summary.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "raybundle/geometry/quantile.hpp"

@@ -2,9 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "raybundle/bundle/bundle.hpp"
 #include "raybundle/scene/result.hpp"
 

@@ -23,7 +23,7 @@ namespace {
 using Motion = Eigen::Matrix<double, 6, 1>;
 using Information = Eigen::Matrix<double, 6, 6>;
 
-constexpr double kStartThresholdRad = 0.02;  // of the first pose: a mistaken landmark is off by more
+constexpr double kStartThreshold_rad = 0.02;  // of the first pose: a mistaken landmark is off by more
 constexpr double kOutlierSigmas = 4.0;
 constexpr int kMostIterations = 50;
 
@@ -115,7 +115,7 @@ Rigid3 start_pose(const Camera& camera, const std::vector<Pair>& pairs, const st
                                                    without_ray)),
         image);
   }
-  const auto pose = robust_target_pose(points, point_rays, kStartThresholdRad);
+  const auto pose = robust_target_pose(points, point_rays, kStartThreshold_rad);
   if (!pose) refuse_image(image);
   return pose->camera_from_target;
 }

@@ -5,7 +5,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "raybundle/geometry/error.hpp"
 
@@ -28,13 +27,13 @@ double determinant(const double* parameters, const Eigen::Vector3d& ray, Eigen::
 
 /// Angle off the axis of the one ray of a pixel; nothing when there is none, or the projection is folded there.
 std::optional<double> angle_of_pixel(const Camera& camera, const Eigen::Vector2d& pixel) {
-  constexpr double kRoundTripPx = 1e-6;  // far above rounding, far below any measurement
+  constexpr double kRoundTrip_px = 1e-6;  // far above rounding, far below any measurement
   const std::optional<Eigen::Vector3d> ray = ray_from_pixel(camera, pixel);
   if (!ray) return std::nullopt;
   Eigen::Vector2d again;
   const double area =
       with_model(camera.model, [&]<CameraModel M>() { return determinant<M>(camera.parameters.data(), *ray, again); });
-  if (!(area > 0) || !((again - pixel).norm() <= kRoundTripPx)) return std::nullopt;
+  if (!(area > 0) || !((again - pixel).norm() <= kRoundTrip_px)) return std::nullopt;
   return std::atan2(ray->head<2>().norm(), ray->z());
 }
 
@@ -80,19 +79,6 @@ InjectivityReport check_injectivity(const Camera& camera, int samples_per_side) 
   }
   report.covered_fraction = static_cast<double>(covered) / (n * n);
   return report;
-}
-
-std::optional<std::string> injectivity_warning(const InjectivityReport& report) {
-  if (report.one_to_one()) return std::nullopt;
-  char text[320];
-  std::snprintf(
-      text, sizeof text,
-      "the projection is one-to-one only up to %.1f degrees off the axis: %.1f %% of the image, from pixel "
-      "(%.0f, %.0f) outwards, has no ray; harmless outside of a fisheye's image circle, otherwise show boards "
-      "there or take a model for wider lenses such as kannala_brandt, or one with fewer parameters",
-      report.max_angle_rad * 180.0 / M_PI, 100.0 * (1.0 - report.covered_fraction), report.first_offender->x(),
-      report.first_offender->y());
-  return text;
 }
 
 }  // namespace raybundle

@@ -13,7 +13,7 @@ namespace raybundle {
 namespace {
 
 constexpr double kMinCosine = 0.2;  // of the angle between ray and board normal
-constexpr double kFloorPx = 0.1;    // of board poses and lens at the start, beside the dot's own covariance
+constexpr double kFloor_px = 0.1;   // of board poses and lens at the start, beside the dot's own covariance
 constexpr double kMargin = 1.5;     // spacings: a chessboard's outermost squares and the white around them
 
 /// Typical distance of a point to the nearest other one [m].
@@ -56,7 +56,7 @@ ViewGeometry geometry_of(const LaserScene& scene, int v) {
 }
 
 std::optional<BeamHit> hit_on_board(const ViewGeometry& geometry, const Rigid3& rig_from_target, const Dot& dot) {
-  constexpr double kStepPx = 0.5;
+  constexpr double kStep_px = 0.5;
   const std::optional<Line3> line = geometry.line_in_target(dot.pixel);
   const std::optional<Eigen::Vector3d> x = geometry.x_in_target(dot.pixel);
   if (!x || (*x - line->point).dot(line->direction) <= 0.0) return std::nullopt;
@@ -65,13 +65,13 @@ std::optional<BeamHit> hit_on_board(const ViewGeometry& geometry, const Rigid3& 
   if (cosine < kMinCosine) return std::nullopt;
   Eigen::Matrix<double, 3, 2> wrt_pixel;
   for (int axis = 0; axis < 2; ++axis) {
-    const Eigen::Vector2d step = kStepPx * Eigen::Vector2d::Unit(axis);
+    const Eigen::Vector2d step = kStep_px * Eigen::Vector2d::Unit(axis);
     const std::optional<Eigen::Vector3d> ahead = geometry.x_in_target(dot.pixel + step);
     const std::optional<Eigen::Vector3d> behind = geometry.x_in_target(dot.pixel - step);
     if (!ahead || !behind) return std::nullopt;
-    wrt_pixel.col(axis) = rig_from_target.rotation * (*ahead - *behind) / (2 * kStepPx);
+    wrt_pixel.col(axis) = rig_from_target.rotation * (*ahead - *behind) / (2 * kStep_px);
   }
-  const Eigen::Matrix2d covariance_px2 = dot.covariance_px2 + kFloorPx * kFloorPx * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d covariance_px2 = dot.covariance_px2 + kFloor_px * kFloor_px * Eigen::Matrix2d::Identity();
   BeamHit hit;
   hit.x_in_rig = rig_from_target * *x;
   hit.covariance = wrt_pixel * covariance_px2 * wrt_pixel.transpose();

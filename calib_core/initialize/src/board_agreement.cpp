@@ -234,8 +234,8 @@ PairConsensus pair_consensus(const Pairs& pairs) {
 }
 
 double agreement_limit(double spread) {
-  constexpr double kNoiseRad = 2e-5;  // a fiftieth of a pixel: exact data has no spread to measure by
-  return 5.0 * std::max(spread, kNoiseRad);
+  constexpr double kNoise_rad = 2e-5;  // a fiftieth of a pixel: exact data has no spread to measure by
+  return 5.0 * std::max(spread, kNoise_rad);
 }
 
 }  // namespace raybundle

@@ -18,7 +18,7 @@
 namespace raybundle {
 namespace {
 
-constexpr double kFitPx = 3.0;              ///< a corner fits a good lens within this
+constexpr double kFit_px = 3.0;             ///< a corner fits a good lens within this
 constexpr std::size_t kSearchViews = 16;    ///< for the sweep
 constexpr std::size_t kSearchCorners = 30;  ///< of each of them
 constexpr std::size_t kRefineViews = 32;    ///< for the last refinement
@@ -27,9 +27,9 @@ constexpr double kShareOfViews = 0.7;     ///< a lens under which fewer views fi
 constexpr double kOffAxisWeight = 100.0;  ///< of a prior: 0.01 costs as much as one corner that is off by a pixel
 constexpr double kOtherFocal = 0.05;      ///< relative: lenses whose focal lengths differ by less are one
 constexpr double kNearlyAsGood = 1.2;     ///< times the best score: all corners decide
-constexpr double kExactPx = 0.02;         ///< no corner is measured better
+constexpr double kExact_px = 0.02;        ///< no corner is measured better
 constexpr std::size_t kMostLenses = 3;    ///< that all corners decide between
-constexpr double kAlikeRad = 0.1;         ///< boards whose normals are within this of each other are held alike
+constexpr double kAlike_rad = 0.1;        ///< boards whose normals are within this of each other are held alike
 constexpr double kPlainFocal = 0.005;     ///< relative uncertainty of a lens that no other one is like
 constexpr double kMaxFocalUncertainty = 0.2;  ///< relative; what is left to chance beyond this is not a start
 
@@ -133,7 +133,7 @@ double fit_threshold(const std::vector<std::optional<ViewPose>>& poses) {
   for (const auto& pose : poses) {
     if (pose && std::isfinite(pose->median_px)) medians.push_back(pose->median_px);
   }
-  return medians.empty() ? kFitPx : std::clamp(5.0 * median(medians), kFitPx, 50.0);
+  return medians.empty() ? kFit_px : std::clamp(5.0 * median(medians), kFit_px, 50.0);
 }
 
 /// Whether nearly all boards face the same way: such views fit several lenses.
@@ -142,7 +142,7 @@ bool held_alike(const std::vector<Rigid3>& camera_from_target) {
   for (const Rigid3& pose : camera_from_target) mean += pose.rotation * Eigen::Vector3d::UnitZ();
   mean.normalize();
   const auto alike = std::ranges::count_if(camera_from_target, [&](const Rigid3& pose) {
-    return mean.dot(pose.rotation * Eigen::Vector3d::UnitZ()) > std::cos(kAlikeRad);
+    return mean.dot(pose.rotation * Eigen::Vector3d::UnitZ()) > std::cos(kAlike_rad);
   });
   return 10 * alike >= 9 * std::ssize(camera_from_target);
 }
@@ -173,7 +173,7 @@ LensGuess lens_in_model(ModelId model, ImageSize size, const std::vector<PointsI
     return guess;
   };
   LensGuess best = polished(fit_model(model, field, start.parameters));
-  const bool fits_as_well = best.score_px <= std::max(kNearlyAsGood * start.score_px, kExactPx);
+  const bool fits_as_well = best.score_px <= std::max(kNearlyAsGood * start.score_px, kExact_px);
   if (fits_as_well || best.parameters.size() == 4) return best;
   // Some shapes hold a fit fast, like the one at which the derivative by a field of view's w vanishes.
   for (const LensVector& fit : model_fits(model, field, best.parameters)) {
@@ -217,7 +217,7 @@ std::vector<LensGuess> lenses_in_model(const ProblemCamera& camera, const std::v
 /// A lens on more views, those that fit it.
 LensVector lens_on_more(ModelId model, ImageSize size, std::span<const PointsInView> views, const LensGuess& guess) {
   const LensFunctions lens = lens_functions(model);
-  const double threshold = std::clamp(5.0 * guess.score_px, kFitPx, 50.0);
+  const double threshold = std::clamp(5.0 * guess.score_px, kFit_px, 50.0);
   LensGuess last;
   last.parameters = guess.parameters;
   std::vector<PointsInView> fitting;
@@ -237,7 +237,7 @@ LensVector lens_on_more(ModelId model, ImageSize size, std::span<const PointsInV
 struct PosedViews {
   LensVector lens;
   std::vector<std::optional<ViewPose>> poses;
-  double threshold_px = kFitPx;
+  double threshold_px = kFit_px;
   std::vector<std::string> reasons;  ///< why a view has no pose; empty where it has one
 
   std::size_t posed() const { return static_cast<std::size_t>(std::ranges::count(reasons, std::string())); }
@@ -249,7 +249,7 @@ PosedViews posed_views(ModelId model, const LensVector& parameters, const Camera
   PosedViews posed;
   posed.lens = parameters;
   for (std::size_t i = 0; i < views.corners.size(); ++i) {
-    posed.poses.push_back(i < views.usable_views ? view_pose(lens, parameters.data(), views.corners[i], 2 * kFitPx)
+    posed.poses.push_back(i < views.usable_views ? view_pose(lens, parameters.data(), views.corners[i], 2 * kFit_px)
                                                  : std::nullopt);
   }
   posed.threshold_px = fit_threshold(posed.poses);
@@ -288,7 +288,7 @@ std::vector<PosedViews> find_lenses(const ProblemCamera& camera, const CameraVie
   if (first && !held_alike(first->poses) && focal_uncertainty(chosen, camera.size, *first) < kPlainFocal) {
     const LensGuess in_model = lens_in_model(camera.model, camera.size, chosen, *first);
     const auto enough = [&] {
-      const bool fits_plainly = quick->threshold_px <= kFitPx;
+      const bool fits_plainly = quick->threshold_px <= kFit_px;
       return fits_plainly && static_cast<double>(quick->posed()) >= kShareOfViews * static_cast<double>(views.size());
     };
     quick = posed_views(camera.model, in_model.parameters, all);

@@ -15,7 +15,7 @@
 namespace raybundle {
 namespace {
 
-constexpr double kMaxDistancePx = 100.0;    ///< a corner that does not project counts like one that is this far off
+constexpr double kMaxDistance_px = 100.0;   ///< a corner that does not project counts like one that is this far off
 constexpr std::size_t kSweepViews = 3;      ///< for the first, coarse sweep
 constexpr std::size_t kQuickViews = 6;      ///< for what is best in it
 constexpr std::size_t kQuickCorners = 12;   ///< of each of them
@@ -142,7 +142,7 @@ double robust_score(const LensFunctions& lens, const double* parameters, const s
   std::vector<double> distances;
   for (std::size_t v = 0; v < views.size(); ++v) {
     pixel_distances(lens, parameters, views[v], poses[v], distances);
-    for (double& distance : distances) distance = std::min(distance, kMaxDistancePx);
+    for (double& distance : distances) distance = std::min(distance, kMaxDistance_px);
     of_views[v] = mean_of_best(distances, 0.8);
   }
   return mean_of_best(of_views, 0.7);

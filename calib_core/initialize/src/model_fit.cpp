@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 
 #include "view_screen.hpp"
@@ -12,7 +11,7 @@
 namespace raybundle {
 namespace {
 
-constexpr double kGoodFitPx = 0.3;     ///< the polish on corners does the rest
+constexpr double kGoodFit_px = 0.3;    ///< the polish on corners does the rest
 constexpr std::size_t kSamples = 150;  ///< rays that a fit is made on
 
 constexpr std::array kTimesOwnShape{0.5, 0.75, 1.33};  ///< where fits start that look for others than a known one
@@ -90,7 +89,7 @@ LensVector fit_from(ModelId model, const LensFunctions& lens, const PointsInView
     options.max_iterations = 15;
     options.poses_fixed = true;
     const double cost = refine_lens(lens, {samples}, options, parameters, here).cost;
-    if (cost < kGoodFitPx * kGoodFitPx) break;  // of all samples together: no smaller scale would change anything
+    if (cost < kGoodFit_px * kGoodFit_px) break;  // of all samples together: no smaller scale would change anything
   }
   return parameters;
 }
@@ -110,7 +109,7 @@ LensVector fit_model(ModelId model, const PointsInView& field, const LensVector&
       best_cost = cost;
       best = parameters;
     }
-    if (best_cost < kGoodFitPx) break;
+    if (best_cost < kGoodFit_px) break;
   }
   return best;
 }

@@ -16,15 +16,15 @@ namespace {
 
 constexpr std::size_t kSamples = 80;  ///< rays that twins are compared on
 constexpr double kFarTimes = 3.0;     ///< the linear prediction exceeds what is seen by this factor between twins ...
-constexpr double kFarPx = 0.3;        ///< ... and this much
+constexpr double kFar_px = 0.3;       ///< ... and this much
 
 constexpr double kLargestRatio = 4.0;   ///< of the squared distances of a mirrored pose that may be meant
 constexpr double kHopeless = 60.0;      ///< the same, before the pose has settled, ...
 constexpr std::size_t kFirstLook = 24;  ///< ... of some corners
-constexpr double kNoneWrongPx = 50.0;   ///< scale of the loss: the corners are right, only the pose may be far off
+constexpr double kNoneWrong_px = 50.0;  ///< scale of the loss: the corners are right, only the pose may be far off
 constexpr double kNarrow = 0.5;         ///< a board that spreads less across its length takes longer to settle
-constexpr double kTurnRad = 0.4;        ///< of a narrow board about its length
-constexpr double kSameRad = 1e-3;       ///< the way led back to the given pose
+constexpr double kTurn_rad = 0.4;       ///< of a narrow board about its length
+constexpr double kSame_rad = 1e-3;      ///< the way led back to the given pose
 
 double sum_of_squares(const LensFunctions& lens, const LensVector& parameters, const PointsInView& view,
                       const Rigid3& pose) {
@@ -41,7 +41,7 @@ std::vector<Rigid3> other_poses(const Rigid3& camera_from_target, const Principa
   std::vector<Rigid3> poses{mirrored_pose(camera_from_target, frame)};
   if (!narrow(frame)) return poses;
   const Eigen::Vector3d length = frame.local_from_target.row(0).transpose(), centre = camera_from_target * frame.centre;
-  for (const double turn_rad : {kTurnRad, -kTurnRad}) {
+  for (const double turn_rad : {kTurn_rad, -kTurn_rad}) {
     const Eigen::AngleAxisd turn(turn_rad, length);
     const Eigen::Quaterniond rotation = (camera_from_target.rotation * turn).normalized();
     poses.push_back({rotation, centre - rotation * frame.centre});
@@ -74,7 +74,7 @@ std::vector<Camera> twin_cameras(const Camera& camera, const std::vector<Eigen::
     // From both ends: between twins lies a place, perhaps this one, where the step moves no pixel at first.
     const double predicted2 = std::max(step.dot(information * step), step.dot(information_at(other) * step));
     const double predicted_px = std::sqrt(std::max(0.0, predicted2) / count);
-    if (predicted_px < kFarPx || predicted_px < kFarTimes * seen_px) continue;
+    if (predicted_px < kFar_px || predicted_px < kFarTimes * seen_px) continue;
     const bool known = std::ranges::any_of(twins, [&](const Camera& twin) {
       const LensVector apart = other - LensVector(twin.parameters);
       return apart.norm() < 0.1 * step.norm();
@@ -104,7 +104,7 @@ std::optional<MirroredPose> find_mirrored_pose(const Camera& camera, std::span<c
   const double hopeless = kHopeless * squares(some, camera_from_target);
   LensBundleOptions options;
   options.lens_fixed = true;
-  options.scale_px = kNoneWrongPx;
+  options.scale_px = kNoneWrong_px;
   const double squares_here = squares(view, camera_from_target);
   std::optional<MirroredPose> best;
   for (const Rigid3& start : other_poses(camera_from_target, frame)) {
@@ -114,7 +114,7 @@ std::optional<MirroredPose> find_mirrored_pose(const Camera& camera, std::span<c
     if (!(squares(some, pose[0]) < hopeless)) continue;
     options.max_iterations = 20;
     refine_lens(lens, {view}, options, parameters, pose);
-    if (pose[0].rotation.angularDistance(camera_from_target.rotation) < kSameRad) continue;
+    if (pose[0].rotation.angularDistance(camera_from_target.rotation) < kSame_rad) continue;
     const double ratio = squares(view, pose[0]) / squares_here;
     if (ratio < (best ? best->squares_ratio : kLargestRatio)) best = {pose[0], ratio};
   }

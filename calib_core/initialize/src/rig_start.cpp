@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "raybundle/initialize/rig_start.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "board_agreement.hpp"
@@ -120,15 +121,11 @@ Opinion best_opinion(const SharedBoard& board, const std::vector<Rigid3>& camera
 
 std::string reason_of(const CalibrationProblem& problem, const PosedView& a, const PosedView& b, const Disagreement& d,
                       double spread) {
-  char numbers[160];
+  std::string reason =
+      fmt::format("{} and {} disagree by {:.1f}° and {:.0f} mm about the board's place", problem.cameras[a.camera].name,
+                  problem.cameras[b.camera].name, d.angle_rad * 180 / M_PI, d.distance_m * 1e3);
   const double times = d.size / std::max(spread, 1e-12);
-  std::snprintf(numbers, sizeof numbers, " disagree by %.1f° and %.0f mm about the board's place",
-                d.angle_rad * 180 / M_PI, d.distance_m * 1e3);
-  std::string reason = problem.cameras[a.camera].name + " and " + problem.cameras[b.camera].name + numbers;
-  if (times < 1e4) {
-    std::snprintf(numbers, sizeof numbers, ", %.0f times the spread of the other frames", times);
-    reason += numbers;
-  }
+  if (times < 1e4) reason += fmt::format(", {:.0f} times the spread of the other frames", times);
   return reason;
 }
 

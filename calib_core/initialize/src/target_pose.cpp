@@ -72,6 +72,74 @@ double truncated_cost(std::span<const Eigen::Vector3d> points, std::span<const E
   return cost;
 }
 
+/// The pose that most pairs agree on so far, and which pairs those are.
+class Consensus {
+ public:
+  Consensus(std::span<const Eigen::Vector3d> points, std::span<const Eigen::Vector3d> rays, double threshold_rad)
+      : points_(points),
+        rays_(rays),
+        threshold_rad_(threshold_rad),
+        inlier_(points.size()),
+        trial_inlier_(points.size()),
+        best_cost_(static_cast<double>(points.size()) * threshold_rad * threshold_rad) {}
+
+  bool found() const { return found_; }
+  double share() const {
+    return static_cast<double>(std::ranges::count(inlier_, 1)) / static_cast<double>(points_.size());
+  }
+
+  /// Takes a pose that is better; whether it is.
+  bool consider(const Rigid3& pose) {
+    const double cost = truncated_cost(points_, rays_, pose, threshold_rad_, trial_inlier_);
+    if (!(cost < best_cost_)) return false;
+    best_ = pose;
+    best_cost_ = cost;
+    found_ = true;
+    inlier_.swap(trial_inlier_);
+    return true;
+  }
+
+  /// Both candidates of the ambiguity, from all pairs that fit, until nothing changes.
+  void improve() {
+    for (int round = 0; round < 5; ++round) {
+      std::vector<Eigen::Vector3d> points;
+      std::vector<Eigen::Vector3d> rays;
+      for (std::size_t i = 0; i < points_.size(); ++i) {
+        if (!inlier_[i]) continue;
+        points.push_back(points_[i]);
+        rays.push_back(rays_[i]);
+      }
+      if (points.size() < 4) return;
+      Rigid3 refined = best_;
+      refine_on_rays(points, rays, refined, kRefineIterations);
+      bool better = consider(refined);
+      for (const TargetPose& pose : target_pose(points, rays)) better |= consider(pose.camera_from_target);
+      if (!better) return;
+    }
+  }
+
+  /// With the rms of the pairs that fit; nothing when they are too few.
+  std::optional<TargetPose> pose() const {
+    double sum = 0.0;
+    int fitting = 0;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      if (!inlier_[i]) continue;
+      sum += ((best_ * points_[i]).normalized() - rays_[i]).squaredNorm();
+      ++fitting;
+    }
+    if (fitting < 4) return std::nullopt;
+    return TargetPose{best_, std::sqrt(sum / fitting)};
+  }
+
+ private:
+  std::span<const Eigen::Vector3d> points_, rays_;
+  double threshold_rad_;
+  std::vector<char> inlier_, trial_inlier_;
+  Rigid3 best_;
+  double best_cost_;
+  bool found_ = false;
+};
+
 }  // namespace
 
 std::vector<TargetPose> target_pose(std::span<const Eigen::Vector3d> points_in_target,
@@ -103,78 +171,32 @@ std::optional<TargetPose> robust_target_pose(std::span<const Eigen::Vector3d> po
   require_equal_sizes(points_in_target.size(), rays_in_camera.size());
   const std::size_t count = points_in_target.size();
   if (count < 4) return std::nullopt;
-
   constexpr int kMaxSamples = 300;
   std::mt19937 random(seed);
   const auto draw = [&] { return static_cast<std::size_t>(random() % count); };
-  std::vector<char> inlier(count);
-  std::vector<char> trial_inlier(count);
-  Rigid3 best;
-  double best_cost = static_cast<double>(count) * threshold_rad * threshold_rad;
-  bool found = false;
-  std::vector<Eigen::Vector3d> points;
-  std::vector<Eigen::Vector3d> rays;
-
-  const auto consider = [&](const Rigid3& pose) {
-    const double cost = truncated_cost(points_in_target, rays_in_camera, pose, threshold_rad, trial_inlier);
-    if (!(cost < best_cost)) return false;
-    best = pose;
-    best_cost = cost;
-    found = true;
-    inlier.swap(trial_inlier);
-    return true;
-  };
-  const auto improve = [&] {  // both candidates of the ambiguity, from all pairs that fit, until nothing changes
-    for (int round = 0; round < 5; ++round) {
-      points.clear();
-      rays.clear();
-      for (std::size_t i = 0; i < count; ++i) {
-        if (!inlier[i]) continue;
-        points.push_back(points_in_target[i]);
-        rays.push_back(rays_in_camera[i]);
-      }
-      bool better = false;
-      Rigid3 refined = best;
-      if (points.size() >= 4) {
-        refine_on_rays(points, rays, refined, kRefineIterations);
-        better = consider(refined);
-        for (const TargetPose& pose : target_pose(points, rays)) better |= consider(pose.camera_from_target);
-      }
-      if (!better) return;
-    }
-  };
-
+  Consensus consensus(points_in_target, rays_in_camera, threshold_rad);
   int needed = kMaxSamples;
   for (int sample = 0; sample < needed; ++sample) {
-    std::size_t index[3] = {draw(), draw(), draw()};
+    const std::size_t index[3] = {draw(), draw(), draw()};
     if (index[0] == index[1] || index[0] == index[2] || index[1] == index[2]) continue;
-    Eigen::Vector3d sample_points[3];
-    Eigen::Vector3d sample_rays[3];
+    Eigen::Vector3d points[3];
+    Eigen::Vector3d rays[3];
     for (int k = 0; k < 3; ++k) {
-      sample_points[k] = points_in_target[index[k]];
-      sample_rays[k] = rays_in_camera[index[k]];
+      points[k] = points_in_target[index[k]];
+      rays[k] = rays_in_camera[index[k]];
     }
     bool better = false;
-    for (const Rigid3& pose : three_point_poses(sample_points, sample_rays)) better |= consider(pose);
+    for (const Rigid3& pose : three_point_poses(points, rays)) better |= consensus.consider(pose);
     if (!better) continue;
-    improve();
-    const double share = static_cast<double>(std::ranges::count(inlier, 1)) / static_cast<double>(count);
+    consensus.improve();
+    const double share = consensus.share();
     const double miss = 1.0 - share * share * share;  // a sample with a wrong pair in it
     const double enough = miss < 1e-12 ? 0.0 : std::log(1e-6) / std::log(miss);
     needed = std::min(kMaxSamples, sample + 1 + static_cast<int>(std::min(enough, 1.0 * kMaxSamples)));
   }
-  if (!found) return std::nullopt;
-  improve();
-
-  double sum = 0.0;
-  int fitting = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!inlier[i]) continue;
-    sum += ((best * points_in_target[i]).normalized() - rays_in_camera[i]).squaredNorm();
-    ++fitting;
-  }
-  if (fitting < 4) return std::nullopt;
-  return TargetPose{best, std::sqrt(sum / fitting)};
+  if (!consensus.found()) return std::nullopt;
+  consensus.improve();
+  return consensus.pose();
 }
 
 }  // namespace raybundle

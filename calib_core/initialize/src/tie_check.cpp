@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "raybundle/initialize/tie_check.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "view_pose.hpp"
@@ -12,7 +13,7 @@
 namespace raybundle {
 namespace {
 
-constexpr double kNearPx = 3.0;  ///< a corner fits its view's own pose within this
+constexpr double kNear_px = 3.0;  ///< a corner fits its view's own pose within this
 
 /// Squared distances of one view's right corners, tied and with a pose of its own.
 struct ViewFit {
@@ -30,8 +31,8 @@ ViewFit fit_of(const CalibrationProblem& problem, const TargetView& view, const 
   std::vector<double> sorted = tied_distances;
   double typical_px = median(sorted);
   std::vector<Rigid3> own{tied};
-  if (!(typical_px <= kNearPx)) {  // no refinement leads from so far away to where the board is
-    if (const auto pose = view_pose(lens, camera.parameters.data(), corners, kNearPx)) {
+  if (!(typical_px <= kNear_px)) {  // no refinement leads from so far away to where the board is
+    if (const auto pose = view_pose(lens, camera.parameters.data(), corners, kNear_px)) {
       own[0] = pose->camera_from_target;
       typical_px = pose->median_px;
     }
@@ -88,10 +89,8 @@ std::vector<TieCheck> check_ties(const CalibrationProblem& problem, const std::v
     if (all.corners < 8) continue;
     TieCheck check{pose, views, own, std::sqrt(all.tied_px2 / all.corners), std::sqrt(all.own_px2 / all.corners),
                    0.0,  {}};
-    char numbers[96];
-    std::snprintf(numbers, sizeof numbers, " fit to %.2f px together but to %.2f px apart", check.tied_rms_px,
-                  check.own_rms_px);
-    check.reason = names + numbers;
+    check.reason =
+        fmt::format("{} fit to {:.2f} px together but to {:.2f} px apart", names, check.tied_rms_px, check.own_rms_px);
     checks.push_back(check);
     lost_px2.push_back(std::max(0.0, all.tied_px2 - all.own_px2) / (6.0 * static_cast<double>(views.size() - 1)));
     const double freedom = 2.0 * all.corners - 6.0 * static_cast<double>(views.size());

@@ -4,7 +4,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "lens_bundle.hpp"
 #include "model_fit.hpp"
@@ -14,13 +13,13 @@
 namespace raybundle {
 namespace {
 
-constexpr std::size_t kSamples = 60;  ///< rays that the projections are compared on
-constexpr int kMostSteps = 16;        ///< along the valley to either side
-constexpr int kCorrections = 6;       ///< Gauss-Newton steps back to the valley's floor
-constexpr double kFirstStepPx = 0.5;  ///< of the first step: what the parameters would do one by one
-constexpr double kFarOut = 1e5;       ///< a parameter of the lens's shape: beyond only its neighbours cancel it
-constexpr double kBent = 1.5;         ///< times what is predicted, or the other way round
-constexpr double kGrowth = 1.7;       ///< of the steps
+constexpr std::size_t kSamples = 60;   ///< rays that the projections are compared on
+constexpr int kMostSteps = 16;         ///< along the valley to either side
+constexpr int kCorrections = 6;        ///< Gauss-Newton steps back to the valley's floor
+constexpr double kFirstStep_px = 0.5;  ///< of the first step: what the parameters would do one by one
+constexpr double kFarOut = 1e5;        ///< a parameter of the lens's shape: beyond only its neighbours cancel it
+constexpr double kBent = 1.5;          ///< times what is predicted, or the other way round
+constexpr double kGrowth = 1.7;        ///< of the steps
 
 /// A lens, turned; a turn of the lens is a turn of all boards.
 struct Place {
@@ -65,13 +64,14 @@ Eigen::MatrixXd turn_eliminated(const Difference& here, int n) {
 }
 
 /// The direction of the lens that moves the pixels least when the turn makes good what it can, every parameter in units
-/// of what it alone does to them. Of length such that those effects make `kFirstStepPx` together.
+/// of what it alone does to them. Of length such that those effects make `kFirstStep_px` together.
 LensVector weakest_direction(const Difference& here, int n, std::size_t samples) {
   const Eigen::MatrixXd reduced = turn_eliminated(here, n);
   const Eigen::VectorXd scale = here.normal.diagonal().head(n).cwiseMax(1e-30).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * reduced * scale.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
-  return kFirstStepPx * std::sqrt(2.0 * static_cast<double>(samples)) * scale.cwiseProduct(eigen.eigenvectors().col(0));
+  return kFirstStep_px * std::sqrt(2.0 * static_cast<double>(samples)) *
+         scale.cwiseProduct(eigen.eigenvectors().col(0));
 }
 
 /// Back to the floor of the valley across the direction of the last step.

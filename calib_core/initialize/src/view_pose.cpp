@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "view_pose.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "linear_pose.hpp"
 #include "pose_refinement.hpp"
@@ -99,12 +100,6 @@ std::optional<Rigid3> plain_pose(const LensFunctions& lens, const double* parame
   return refine(mirrored, 10) < cost ? mirrored : pose;
 }
 
-std::string text(const char* format, double value) {
-  char buffer[64];
-  std::snprintf(buffer, sizeof buffer, format, value);
-  return buffer;
-}
-
 }  // namespace
 
 PointsInView points_in_view(const Target& target, const TargetView& view) {
@@ -157,12 +152,12 @@ std::optional<ViewPose> view_pose(const LensFunctions& lens, const double* param
 
 std::string reason_against(const std::optional<ViewPose>& pose, const PointsInView& view, double threshold_px) {
   if (pose && pose->fits()) return {};
-  const std::string corners = std::to_string(view.points.size());
-  if (view.points.size() < 4) return "only " + corners + " corners were seen; a pose needs four";
-  if (principal_frame(view.points).collinear()) return "its " + corners + " corners lie on one line";
-  std::string reason = "only " + std::to_string(pose ? pose->fitting : 0) + " of " + corners + " corners fit within " +
-                       text("%.1f px", threshold_px);
-  if (pose && std::isfinite(pose->median_px)) reason += " (median " + text("%.1f px", pose->median_px) + ")";
+  const std::size_t corners = view.points.size();
+  if (corners < 4) return fmt::format("only {} corners were seen; a pose needs four", corners);
+  if (principal_frame(view.points).collinear()) return fmt::format("its {} corners lie on one line", corners);
+  std::string reason =
+      fmt::format("only {} of {} corners fit within {:.1f} px", pose ? pose->fitting : 0, corners, threshold_px);
+  if (pose && std::isfinite(pose->median_px)) reason += fmt::format(" (median {:.1f} px)", pose->median_px);
   return reason;
 }
 

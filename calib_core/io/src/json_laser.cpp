@@ -19,9 +19,9 @@ LaserGrid grid_from(const JsonNode& node) {
 /// A number that does not exist becomes null.
 OrderedJson json_from_depths(const LaserBeam& beam) {
   OrderedJson depths = OrderedJson::array();
-  for (std::size_t d = 0; d < kStatedDepthsM.size(); ++d) {
+  for (std::size_t d = 0; d < kStatedDepths_m.size(); ++d) {
     depths.push_back(
-        {{"depth_m", kStatedDepthsM[d]}, {"sigma_m", beam.depths[d].sigma_m}, {"per_px_m", beam.depths[d].per_px_m}});
+        {{"depth_m", kStatedDepths_m[d]}, {"sigma_m", beam.depths[d].sigma_m}, {"per_px_m", beam.depths[d].per_px_m}});
   }
   return depths;
 }
@@ -45,10 +45,10 @@ double number_or_nan(const JsonNode& node) {
 }
 
 void read_depths(const JsonNode& node, LaserBeam& beam) {
-  node.expect_array_size(kStatedDepthsM.size());
-  for (std::size_t d = 0; d < kStatedDepthsM.size(); ++d) {
+  node.expect_array_size(kStatedDepths_m.size());
+  for (std::size_t d = 0; d < kStatedDepths_m.size(); ++d) {
     const JsonNode entry = node[d];
-    if (entry.at("depth_m").number() != kStatedDepthsM[d]) entry.fail("has another depth than this version states");
+    if (entry.at("depth_m").number() != kStatedDepths_m[d]) entry.fail("has another depth than this version states");
     beam.depths[d] = {number_or_nan(entry.at("sigma_m")), number_or_nan(entry.at("per_px_m"))};
   }
 }

@@ -3,7 +3,6 @@
 #include "raybundle/scene/problem.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <set>
 #include <tuple>

@@ -13,7 +13,7 @@
 namespace raybundle {
 namespace {
 
-constexpr double kStepPx = 2.0;  // between samples of a curve, which is straight over so little
+constexpr double kStep_px = 2.0;  // between samples of a curve, which is straight over so little
 
 struct CurveSample {
   int beam = 0;
@@ -112,9 +112,9 @@ BeamAmbiguity ambiguity_of(const RigCamera& camera, const std::vector<BeamLine>&
   }
   std::vector<CurveSample> samples;
   for (const BeamLine& beam : beams) {
-    sample_curve(BeamCurve(camera, beam.line), beam.beam, depths, kStepPx, samples);
+    sample_curve(BeamCurve(camera, beam.line), beam.beam, depths, kStep_px, samples);
   }
-  const Cells cells(samples, tolerance_px + 2.0 * kStepPx);
+  const Cells cells(samples, tolerance_px + 2.0 * kStep_px);
   std::map<std::pair<int, int>, double> closest;
   double total = 0.0, single = 0.0;
   for (const CurveSample& sample : samples) {

@@ -55,10 +55,10 @@ bool is_meant(const Requirement& requirement, const RigCamera& camera) {
 }  // namespace
 
 double stated_beam_sigma(const LaserBeam& beam, double depth_m) {
-  for (std::size_t d = 0; d < kStatedDepthsM.size(); ++d) {
-    if (depth_m == kStatedDepthsM[d]) return beam.depths[d].sigma_m;
-    if (d + 1 == kStatedDepthsM.size() || depth_m < kStatedDepthsM[d] || depth_m > kStatedDepthsM[d + 1]) continue;
-    const double part = std::log(depth_m / kStatedDepthsM[d]) / std::log(kStatedDepthsM[d + 1] / kStatedDepthsM[d]);
+  for (std::size_t d = 0; d < kStatedDepths_m.size(); ++d) {
+    if (depth_m == kStatedDepths_m[d]) return beam.depths[d].sigma_m;
+    if (d + 1 == kStatedDepths_m.size() || depth_m < kStatedDepths_m[d] || depth_m > kStatedDepths_m[d + 1]) continue;
+    const double part = std::log(depth_m / kStatedDepths_m[d]) / std::log(kStatedDepths_m[d + 1] / kStatedDepths_m[d]);
     return std::pow(beam.depths[d].sigma_m, 1 - part) * std::pow(beam.depths[d + 1].sigma_m, part);
   }
   return std::nan("");

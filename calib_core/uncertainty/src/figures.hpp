@@ -29,7 +29,7 @@ struct Figure {
   double reach_rad = 0.0;                                   ///< largest angle off the axis among the places
 };
 
-/// Sigma of a beam's depth as the calibration states it, between two of kStatedDepthsM by a power of the depth; NaN
+/// Sigma of a beam's depth as the calibration states it, between two of kStatedDepths_m by a power of the depth; NaN
 /// outside of them.
 double stated_beam_sigma(const LaserBeam& beam, double depth_m);
 

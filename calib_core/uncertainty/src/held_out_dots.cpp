@@ -65,13 +65,13 @@ const Prediction* nearest(const std::vector<Prediction>& all, const Eigen::Vecto
 
 std::optional<Eigen::Vector3d> point_on_beam(const RigCamera& camera, const Line3& line, const Eigen::Vector2d& pixel,
                                              double start_m) {
-  constexpr double kStepM = 1e-5;  // for the derivative along the beam
+  constexpr double kStep_m = 1e-5;  // for the derivative along the beam
   double range = start_m;
   for (int iteration = 0; iteration < 20; ++iteration) {
     const auto here = pixel_from_ray(camera.camera, camera.camera_from_rig * line.at(range));
-    const auto there = pixel_from_ray(camera.camera, camera.camera_from_rig * line.at(range + kStepM));
+    const auto there = pixel_from_ray(camera.camera, camera.camera_from_rig * line.at(range + kStep_m));
     if (!here || !there) return std::nullopt;
-    const Eigen::Vector2d slope = (*there - *here) / kStepM;
+    const Eigen::Vector2d slope = (*there - *here) / kStep_m;
     if (!(slope.squaredNorm() > 1e-12)) return std::nullopt;
     const double step = slope.dot(pixel - *here) / slope.squaredNorm();
     range += step;

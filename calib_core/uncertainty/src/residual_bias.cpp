@@ -12,8 +12,8 @@
 namespace raybundle {
 namespace {
 
-constexpr int kColumns = 8;               // parts along the image's width
-constexpr double kBandRad = M_PI / 18.0;  // 10 degrees
+constexpr int kColumns = 8;                // parts along the image's width
+constexpr double kBand_rad = M_PI / 18.0;  // 10 degrees
 constexpr int kFewestInSum = 4;  // views of a part: a sum over parts does not need each scatter to be well known
 constexpr double kBeyondDoubtSigmas = 5.0;  // some fifty parts of a few views each: chance rarely reaches 4
 
@@ -110,9 +110,9 @@ ResidualBias residual_bias(const CalibrationProblem& problem, const CalibrationR
   bias.size = lens.size;
   bias.columns = kColumns;
   bias.rows = rows_of_square_cells(lens.size, kColumns);
-  bias.band_rad = kBandRad;
+  bias.band_rad = kBand_rad;
   std::vector<Gathered> parts(static_cast<std::size_t>(bias.rows) * bias.columns);
-  std::vector<Gathered> bands(static_cast<std::size_t>(std::ceil(M_PI / kBandRad)));
+  std::vector<Gathered> bands(static_cast<std::size_t>(std::ceil(M_PI / kBand_rad)));
   for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
     const TargetView& view = problem.views[v];
     if (view.camera != camera || result.views[v].pose < 0) continue;
@@ -127,7 +127,7 @@ ResidualBias residual_bias(const CalibrationProblem& problem, const CalibrationR
       const std::optional<Eigen::Vector3d> ray = ray_from_pixel(lens, pixel);
       if (!ray) continue;
       const double angle = std::atan2(ray->head<2>().norm(), ray->z());
-      const auto band = std::min(static_cast<std::size_t>(angle / kBandRad), bands.size() - 1);
+      const auto band = std::min(static_cast<std::size_t>(angle / kBand_rad), bands.size() - 1);
       bands[band].add(v, radial_and_tangential(lens, pixel, residual));
     }
   }

@@ -59,9 +59,9 @@ struct Measured {
 
 // By the corners' noise or by how the frames scatter, whichever is worse.
 Figure worse_figure(const Requirement& requirement, const Subject& subject, const Calibration& calibration) {
-  const Figure figure = figure_of(requirement, subject, calibration, calibration.covariance, kPlacesAcross);
+  Figure figure = figure_of(requirement, subject, calibration, calibration.covariance, kPlacesAcross);
   if (!calibration.covariance_by_frame || subject.laser) return figure;
-  const Figure by_frame = figure_of(requirement, subject, calibration, *calibration.covariance_by_frame, kPlacesAcross);
+  Figure by_frame = figure_of(requirement, subject, calibration, *calibration.covariance_by_frame, kPlacesAcross);
   return by_frame.value > figure.value ? by_frame : figure;
 }
 
@@ -89,8 +89,9 @@ Measured measured_depth(const Requirement& requirement, const Subject& subject, 
   if (!std::isfinite(figure.value)) {
     return {figure.value,
             subject.laser ? ": no beam's depth is stated there" : ": they see nothing together at that distance",
-            subject.laser ? fmt::format("require it between {} and {} m", kStatedDepthsM.front(), kStatedDepthsM.back())
-                          : "require a distance at which their images overlap",
+            subject.laser
+                ? fmt::format("require it between {} and {} m", kStatedDepths_m.front(), kStatedDepths_m.back())
+                : "require a distance at which their images overlap",
             false};
   }
   return {figure.value,

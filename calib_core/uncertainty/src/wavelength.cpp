@@ -14,7 +14,7 @@ namespace raybundle {
 namespace {
 
 // Ten kelvins move the outermost dots by one or two pixels; a dot farther from all beams is none of them.
-constexpr double kTolerancePx = 6.0;
+constexpr double kTolerance_px = 6.0;
 constexpr double kStep = 1e-4;    // of the scale, for the derivative
 constexpr double kOutlier = 4.0;  // robust standard deviations
 constexpr int kFewestDots = 10;
@@ -31,7 +31,7 @@ std::vector<Row> rows_at(const Calibration& calibration, double scale, const Cal
   const auto explained = [&](double at) {
     Calibration moved = calibration;
     moved.laser = at_wavelength(*calibration.laser, at);
-    return explain_dots(moved, problem, rig_from_target, kTolerancePx);
+    return explain_dots(moved, problem, rig_from_target, kTolerance_px);
   };
   std::map<std::pair<int, int>, HeldOutDot> there;
   for (const HeldOutDot& dot : explained(scale + kStep)) there.emplace(std::pair{dot.view, dot.dot}, dot);

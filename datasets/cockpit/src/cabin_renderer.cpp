@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
 
 #include "cabin_lighting.hpp"
 #include "cabin_view.hpp"

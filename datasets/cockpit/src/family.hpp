@@ -25,7 +25,6 @@ enum class Sitting {
   kOnTheEdge,
   kKneeling
 };
-inline constexpr int kSittings = 8;
 
 /// A body and how it is dressed.
 struct Person {

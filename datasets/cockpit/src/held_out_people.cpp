@@ -124,6 +124,46 @@ struct Flesh {
   }
 };
 
+bool is_grown(const BodySize& size) { return size.thigh + size.shank > 0.72; }
+
+// Hips in the seat, the back against it.
+Posture leaning_back(const BodySize& size, const SeatSetting& seat, Random& random) {
+  const double slouch = random.chance(0.3) ? random.uniform(0.03, 0.10) : 0.0;
+  Posture p;
+  p.hips =
+      seat.h_point + Eigen::Vector3d(slouch + 0.5 * std::max(0.0, size.waist_depth - 0.13), 0.025 * random.normal(), 0);
+  if (!is_grown(size)) p.hips.z() -= 0.06 * (1 - size.stature / 1.7);
+  p.pelvis_recline_rad = seat.recline_rad + 0.1 + 3.0 * slouch + 0.05 * random.normal();
+  p.chest_recline_rad = seat.recline_rad - 0.12 + 0.06 * random.normal();
+  p.lean_left_rad = random.chance(0.25) ? random.uniform(-0.20, -0.08) : 0.04 * random.normal();  // against the door
+  p.turn_left_rad = 0.08 * random.normal();
+  p.head_pitch_rad = random.uniform(-0.15, 0.5);
+  p.head_turn_left_rad = random.uniform(-0.7, 0.7);
+  return p;
+}
+
+// Hands lie on the thighs, are folded, before the chest, or hang; feet stand on the floor, or before the cushion where
+// legs are short.
+void rest_limbs(const BodySize& size, const CabinLayout& layout, Random& random, Posture& p) {
+  const int pastime = random.below(4);
+  const double ahead[] = {0.30, 0.15, 0.33, 0.05}, across[] = {0.14, 0.02, 0.05, 0.26},
+               above[] = {0.12, 0.16, 0.33, 0.02};
+  const bool grown = is_grown(size);
+  for (int side = 0; side < 2; ++side) {
+    const double left = side == 0 ? 1 : -1;
+    p.hands[side] = p.hips +
+                    Eigen::Vector3d(ahead[pastime] * size.stature / 1.75, left * across[pastime],
+                                    size.thigh_radius + above[pastime] * size.stature / 1.75 - 0.02) +
+                    0.02 * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
+    p.feet[side] = grown
+                       ? Eigen::Vector3d(std::min(layout.dashboard_x_m + 0.15,
+                                                  p.hips.x() + random.uniform(0.70, 0.86) * (size.thigh + size.shank)),
+                                         p.hips.y() + left * random.uniform(0.05, 0.20), -0.19)
+                       : Eigen::Vector3d(p.hips + Eigen::Vector3d(0.93 * (size.thigh + size.shank), left * 0.08, 0.0));
+    p.toes[side] = grown ? Eigen::Vector3d(1, 0.3 * left, -0.2) : Eigen::Vector3d(0.5, 0.1 * left, 0.9);
+  }
+}
+
 }  // namespace
 
 Person person(Age age, Random& random) {
@@ -162,35 +202,9 @@ Person person(Age age, Random& random) {
 
 Posture posture(const BodySize& size, Sitting sitting, const SeatSetting& seat, const CabinLayout& layout,
                 Random& random) {
+  Posture p = leaning_back(size, seat, random);
+  rest_limbs(size, layout, random, p);
   const double dash = layout.dashboard_x_m, top = layout.dashboard_top_m;
-  const double slouch = random.chance(0.3) ? random.uniform(0.03, 0.10) : 0.0;
-  const bool grown = size.thigh + size.shank > 0.72;
-  Posture p;
-  p.hips =
-      seat.h_point + Eigen::Vector3d(slouch + 0.5 * std::max(0.0, size.waist_depth - 0.13), 0.025 * random.normal(), 0);
-  if (!grown) p.hips.z() -= 0.06 * (1 - size.stature / 1.7);
-  p.pelvis_recline_rad = seat.recline_rad + 0.1 + 3.0 * slouch + 0.05 * random.normal();
-  p.chest_recline_rad = seat.recline_rad - 0.12 + 0.06 * random.normal();
-  p.lean_left_rad = random.chance(0.25) ? random.uniform(-0.20, -0.08) : 0.04 * random.normal();  // against the door
-  p.turn_left_rad = 0.08 * random.normal();
-  p.head_pitch_rad = random.uniform(-0.15, 0.5);
-  p.head_turn_left_rad = random.uniform(-0.7, 0.7);
-  const int pastime = random.below(4);  // hands on the thighs, folded, before the chest, hanging
-  const double ahead[] = {0.30, 0.15, 0.33, 0.05}, across[] = {0.14, 0.02, 0.05, 0.26},
-               above[] = {0.12, 0.16, 0.33, 0.02};
-  for (int side = 0; side < 2; ++side) {
-    const double left = side == 0 ? 1 : -1;
-    p.hands[side] = p.hips +
-                    Eigen::Vector3d(ahead[pastime] * size.stature / 1.75, left * across[pastime],
-                                    size.thigh_radius + above[pastime] * size.stature / 1.75 - 0.02) +
-                    0.02 * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
-    p.feet[side] = grown
-                       ? Eigen::Vector3d(
-                             std::min(dash + 0.15, p.hips.x() + random.uniform(0.70, 0.86) * (size.thigh + size.shank)),
-                             p.hips.y() + left * random.uniform(0.05, 0.20), -0.19)
-                       : Eigen::Vector3d(p.hips + Eigen::Vector3d(0.93 * (size.thigh + size.shank), left * 0.08, 0.0));
-    p.toes[side] = grown ? Eigen::Vector3d(1, 0.3 * left, -0.2) : Eigen::Vector3d(0.5, 0.1 * left, 0.9);
-  }
   const auto on_dashboard = [&](double y_low, double y_high) {
     return Eigen::Vector3d(dash + 0.02, random.uniform(y_low, y_high), top + random.uniform(-0.10, 0.06));
   };

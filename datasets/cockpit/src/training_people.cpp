@@ -106,6 +106,73 @@ void add_head(const Person& person, const HeadTruth& head, Meshes& meshes) {
   }
 }
 
+bool has_long_legs(const BodySize& size) { return size.thigh > 0.36; }
+
+// Hips in the seat, the back against it.
+Posture leaning_back(const BodySize& size, const SeatSetting& seat, Random& random) {
+  Posture p;
+  p.hips = seat.h_point + Eigen::Vector3d(random.uniform(-0.01, 0.04) + 0.7 * std::max(0.0, size.waist_depth - 0.13),
+                                          random.uniform(-0.03, 0.03), 0);
+  p.hips.z() += 0.6 * std::max(0.0, size.pelvis_depth - 0.115);                 // thicker bodies sit higher
+  if (!has_long_legs(size)) p.hips.z() -= 0.5 * (0.11 - size.pelvis_depth);     // and thinner ones lower
+  const double slouch = random.chance(0.35) ? random.uniform(0.0, 0.12) : 0.0;  // hips slid to the front
+  p.hips.x() += slouch;
+  p.pelvis_recline_rad = seat.recline_rad + random.uniform(0.05, 0.20) + 2.5 * slouch;
+  p.chest_recline_rad = seat.recline_rad - random.uniform(0.05, 0.22);
+  p.lean_left_rad = random.chance(0.3) ? random.uniform(-0.22, 0.22) : 0.05 * random.normal();
+  p.turn_left_rad = 0.08 * random.normal();
+  p.head_pitch_rad = random.uniform(-0.15, 0.5);
+  p.head_turn_left_rad = 0.4 * random.normal();
+  return p;
+}
+
+// Hands rest on the thighs, meet on the belly, hold something before the chest, or lie beside the legs; feet stand on
+// the floor, or before the cushion where legs are short.
+void rest_limbs(const BodySize& size, const CabinLayout& layout, Random& random, Posture& p) {
+  const int pastime = random.below(5);
+  const double ahead = pastime < 2    ? random.uniform(0.16, 0.32)
+                       : pastime == 4 ? random.uniform(0.0, 0.15)
+                                      : random.uniform(0.12, 0.35);
+  const double above = pastime < 3 ? random.uniform(0.07, 0.16) : pastime == 3 ? random.uniform(0.15, 0.40) : 0.03;
+  const double apart = pastime == 4 ? random.uniform(0.20, 0.30) : random.uniform(0.0, 0.16);
+  const bool long_legs = has_long_legs(size);
+  for (int side = 0; side < 2; ++side) {
+    const double left = side == 0 ? 1 : -1;
+    p.hands[side] =
+        p.hips + Eigen::Vector3d((ahead + random.uniform(-0.04, 0.04)) * size.stature / 1.75,
+                                 left * (apart + random.uniform(-0.02, 0.03)),
+                                 size.thigh_radius + (above + random.uniform(-0.02, 0.02)) * size.stature / 1.75);
+    p.feet[side] = long_legs
+                       ? Eigen::Vector3d(std::min(layout.dashboard_x_m + 0.12, p.hips.x() + 0.395 * size.stature) +
+                                             random.uniform(-0.08, 0.04),
+                                         p.hips.y() + left * random.uniform(0.06, 0.16), -0.21)
+                       : Eigen::Vector3d(p.hips + Eigen::Vector3d(0.96 * (size.thigh + size.shank), left * 0.07, 0.04));
+    p.toes[side] = long_legs ? Eigen::Vector3d(1, 0.2 * left, -0.15) : Eigen::Vector3d(0.4, 0.2 * left, 1);
+  }
+}
+
+Eigen::Vector3d place_on_dashboard(const CabinLayout& layout, double y_low, double y_high, Random& random) {
+  const double top = layout.dashboard_top_m;
+  return Eigen::Vector3d(layout.dashboard_x_m - 0.02, random.uniform(y_low, y_high),
+                         random.uniform(top - 0.15, top + 0.05));
+}
+
+// On the cushion, looking ahead or to the rear.
+void kneel(const SeatSetting& seat, const CabinLayout& layout, Random& random, Posture& p) {
+  const bool back = random.chance(0.5);
+  p.facing_rad = back ? M_PI : 0.0;
+  p.hips = {seat.h_point.x() + random.uniform(0.22, 0.42), random.uniform(-0.1, 0.1), random.uniform(0.05, 0.20)};
+  p.pelvis_recline_rad = random.uniform(-0.1, 0.1);
+  p.chest_recline_rad = random.uniform(-0.4, 0.1);
+  for (int side = 0; side < 2; ++side) {
+    const double left = (side == 0 ? 1 : -1) * (back ? -1 : 1);
+    p.feet[side] = {p.hips.x() + (back ? 0.12 : 0.05), p.hips.y() + 0.08 * left, -0.22};
+    p.toes[side] = {back ? -1.0 : 1.0, 0, -0.1};
+    p.hands[side] = back ? Eigen::Vector3d(seat.h_point.x() + 0.05, 0.15 * left, 0.3)
+                         : place_on_dashboard(layout, -0.25, 0.25, random);
+  }
+}
+
 }  // namespace
 
 Person person(Age age, Random& random) {
@@ -150,43 +217,10 @@ Person person(Age age, Random& random) {
 
 Posture posture(const BodySize& size, Sitting sitting, const SeatSetting& seat, const CabinLayout& layout,
                 Random& random) {
-  const double dash = layout.dashboard_x_m, top = layout.dashboard_top_m;
-  const bool long_legs = size.thigh > 0.36;
-  Posture p;
-  p.hips = seat.h_point + Eigen::Vector3d(random.uniform(-0.01, 0.04) + 0.7 * std::max(0.0, size.waist_depth - 0.13),
-                                          random.uniform(-0.03, 0.03), 0);
-  p.hips.z() += 0.6 * std::max(0.0, size.pelvis_depth - 0.115);                 // and thicker ones higher
-  if (!long_legs) p.hips.z() -= 0.5 * (0.11 - size.pelvis_depth);               // thinner bodies sit lower
-  const double slouch = random.chance(0.35) ? random.uniform(0.0, 0.12) : 0.0;  // hips slid to the front
-  p.hips.x() += slouch;
-  p.pelvis_recline_rad = seat.recline_rad + random.uniform(0.05, 0.20) + 2.5 * slouch;
-  p.chest_recline_rad = seat.recline_rad - random.uniform(0.05, 0.22);
-  p.lean_left_rad = random.chance(0.3) ? random.uniform(-0.22, 0.22) : 0.05 * random.normal();
-  p.turn_left_rad = 0.08 * random.normal();
-  p.head_pitch_rad = random.uniform(-0.15, 0.5);
-  p.head_turn_left_rad = 0.4 * random.normal();
-  // Hands rest on the thighs, meet on the belly, hold something before the chest, or lie beside the legs.
-  const int pastime = random.below(5);
-  const double ahead = pastime < 2    ? random.uniform(0.16, 0.32)
-                       : pastime == 4 ? random.uniform(0.0, 0.15)
-                                      : random.uniform(0.12, 0.35);
-  const double above = pastime < 3 ? random.uniform(0.07, 0.16) : pastime == 3 ? random.uniform(0.15, 0.40) : 0.03;
-  const double apart = pastime == 4 ? random.uniform(0.20, 0.30) : random.uniform(0.0, 0.16);
-  for (int side = 0; side < 2; ++side) {
-    const double left = side == 0 ? 1 : -1;
-    p.hands[side] =
-        p.hips + Eigen::Vector3d((ahead + random.uniform(-0.04, 0.04)) * size.stature / 1.75,
-                                 left * (apart + random.uniform(-0.02, 0.03)),
-                                 size.thigh_radius + (above + random.uniform(-0.02, 0.02)) * size.stature / 1.75);
-    p.feet[side] =
-        long_legs
-            ? Eigen::Vector3d(std::min(dash + 0.12, p.hips.x() + 0.395 * size.stature) + random.uniform(-0.08, 0.04),
-                              p.hips.y() + left * random.uniform(0.06, 0.16), -0.21)
-            : Eigen::Vector3d(p.hips + Eigen::Vector3d(0.96 * (size.thigh + size.shank), left * 0.07, 0.04));
-    p.toes[side] = long_legs ? Eigen::Vector3d(1, 0.2 * left, -0.15) : Eigen::Vector3d(0.4, 0.2 * left, 1);
-  }
+  Posture p = leaning_back(size, seat, random);
+  rest_limbs(size, layout, random, p);
   const auto on_dashboard = [&](double y_low, double y_high) {
-    return Eigen::Vector3d(dash - 0.02, random.uniform(y_low, y_high), random.uniform(top - 0.15, top + 0.05));
+    return place_on_dashboard(layout, y_low, y_high, random);
   };
   switch (sitting) {
     case Sitting::kNormal:
@@ -232,20 +266,9 @@ Posture posture(const BodySize& size, Sitting sitting, const SeatSetting& seat, 
       p.pelvis_recline_rad = random.uniform(-0.1, 0.2);
       p.chest_recline_rad = random.uniform(-0.3, 0.1);
       break;
-    case Sitting::kKneeling: {
-      const bool back = random.chance(0.5);
-      p.facing_rad = back ? M_PI : 0.0;
-      p.hips = {seat.h_point.x() + random.uniform(0.22, 0.42), random.uniform(-0.1, 0.1), random.uniform(0.05, 0.20)};
-      p.pelvis_recline_rad = random.uniform(-0.1, 0.1);
-      p.chest_recline_rad = random.uniform(-0.4, 0.1);
-      for (int side = 0; side < 2; ++side) {
-        const double left = (side == 0 ? 1 : -1) * (back ? -1 : 1);
-        p.feet[side] = {p.hips.x() + (back ? 0.12 : 0.05), p.hips.y() + 0.08 * left, -0.22};
-        p.toes[side] = {back ? -1.0 : 1.0, 0, -0.1};
-        p.hands[side] = back ? Eigen::Vector3d(seat.h_point.x() + 0.05, 0.15 * left, 0.3) : on_dashboard(-0.25, 0.25);
-      }
+    case Sitting::kKneeling:
+      kneel(seat, layout, random, p);
       break;
-    }
   }
   return p;
 }

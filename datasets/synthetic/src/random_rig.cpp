@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: The Raybundle authors
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
 
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/synthetic/random.hpp"

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string>
 
 #include "require.hpp"
 
@@ -15,7 +14,7 @@ namespace {
 
 constexpr int kNeighbours = 8;   // of a dot: those around it in a grid
 constexpr int kLeastAgreed = 4;  // one more than a plane needs
-constexpr double kSigmaFloorPx = 1e-3;
+constexpr double kSigmaFloor_px = 1e-3;
 
 const DotFusionOptions& checked(ImageSize size, const DotFusionOptions& options) {
   require(size.width > 0 && size.height > 0, "an image that dots lie in has pixels");
@@ -184,7 +183,7 @@ void DotFusion::fit(Plane& plane) {
     const double r2 = du * du + dv * dv;
     if (r2 > options_.reach_px * options_.reach_px) return;
     const double bent = 0.5 * options_.bend * r2;
-    const double sigma = std::max(other.dot.sigma_px, kSigmaFloorPx);
+    const double sigma = std::max(other.dot.sigma_px, kSigmaFloor_px);
     dots.insert({du, dv, r2, other.dot.disparity_px, sigma * sigma + bent * bent});
   });
   const Agreement best = best_agreement(dots, options_.most_slope, options_.gate_sigmas);

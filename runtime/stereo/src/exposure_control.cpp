@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string>
 
 #include "require.hpp"
 
@@ -14,7 +13,7 @@ namespace {
 
 constexpr double kLargestFactor = 8.0;     // of a change, when an image says little but too dark or too bright
 constexpr double kBrightPartFactor = 2.0;  // when the median is good and a part of the areas is saturated
-constexpr double kLeastSignalGrey = 1.0;   // what rounding to whole grey values leaves of a signal
+constexpr double kLeastSignal_grey = 1.0;  // what rounding to whole grey values leaves of a signal
 
 const SensorLimits& checked(const SensorLimits& limits) {
   require(limits.least_shutter_s > 0 && limits.least_shutter_s <= limits.most_shutter_s,
@@ -28,7 +27,7 @@ const SensorLimits& checked(const SensorLimits& limits) {
 }
 
 const ExposureOptions& checked(const ExposureOptions& options, const SensorLimits& limits) {
-  require(options.target_grey > limits.black_grey + kLeastSignalGrey && options.target_grey < options.bright_grey &&
+  require(options.target_grey > limits.black_grey + kLeastSignal_grey && options.target_grey < options.bright_grey &&
               options.bright_grey < limits.saturated_grey,
           "the grey values of an exposure grow from the sensor's black over target and bright to saturated");
   require(options.bright_share > 0 && options.bright_share < 0.5, "the bright share is between 0 and 0.5");
@@ -126,7 +125,7 @@ ExposureReport ExposureControl::update(GreyView image, const Exposure& taken_wit
   report.median_grey = median;
 
   const auto factor_to = [&](double target, double grey) {
-    return (target - limits_.black_grey) / std::max(grey - limits_.black_grey, kLeastSignalGrey);
+    return (target - limits_.black_grey) / std::max(grey - limits_.black_grey, kLeastSignal_grey);
   };
   const double factor = std::min(factor_to(options_.target_grey, median), factor_to(options_.bright_grey, bright));
   const double least_s = limits_.least_shutter_s * limits_.least_gain;

@@ -10,7 +10,7 @@ namespace raybundle {
 namespace {
 
 constexpr int kMost = 240;
-constexpr float kMostGrey = 32.0F;  // root mean square of the differences that cost the most
+constexpr float kMostRms_grey = 32.0F;  // root mean square of the differences that cost the most
 
 }  // namespace
 
@@ -91,7 +91,7 @@ const std::uint8_t* ProductCosts::row(int v) {
                              extents_[static_cast<std::size_t>(v)],
                              lanes_,
                              radius_,
-                             kMost / (pixels * kMostGrey * kMostGrey),
+                             kMost / (pixels * kMostRms_grey * kMostRms_grey),
                              kMost,
                              pair_.first.row(v),
                              left_sums_.data(),

@@ -3,7 +3,6 @@
 #include "raybundle/stereo/rectification.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <vector>
 
@@ -12,8 +11,8 @@
 namespace raybundle {
 namespace {
 
-constexpr int kSamplesPerSide = 97;           // pixels along each side of an image that stand for its field
-constexpr double kMostPinholeFieldRad = 2.8;  // 160 degrees: the rim is sampled 33 times as densely as the centre
+constexpr int kSamplesPerSide = 97;            // pixels along each side of an image that stand for its field
+constexpr double kMostPinholeField_rad = 2.8;  // 160 degrees: the rim is sampled 33 times as densely as the centre
 constexpr int kMostPixels = 1 << 26;
 
 constexpr double degrees(double radians) { return radians * 180.0 / M_PI; }
@@ -60,7 +59,7 @@ Field field_of(const std::vector<Eigen::Vector3d>& rays) {
 
 // The box of a pinhole image that holds all rays that a pinhole image can hold.
 Field slopes_of(const std::vector<Eigen::Vector3d>& rays) {
-  const double most = std::tan(kMostPinholeFieldRad / 2);
+  const double most = std::tan(kMostPinholeField_rad / 2);
   Field slopes;
   for (const Eigen::Vector3d& ray : rays) {
     if (!(ray.head<2>().cwiseAbs().maxCoeff() < most * ray.z())) continue;
@@ -117,8 +116,8 @@ RectifiedProjection chosen_projection(const RectifyOptions& options, const Field
   if (options.projection) return *options.projection;
   const double seen = std::max(options.field_x_rad > 0 ? options.field_x_rad : field.x.span(),
                                options.field_y_rad > 0 ? options.field_y_rad : field.y.span());
-  return seen <= kPinholeAdvisedFieldRad ? RectifiedProjection::kPinhole
-                                         : RectifiedProjection::kTransverseEquirectangular;
+  return seen <= kPinholeAdvisedField_rad ? RectifiedProjection::kPinhole
+                                          : RectifiedProjection::kTransverseEquirectangular;
 }
 
 // The box of image-plane coordinates (slopes or angles) that the images show.
@@ -128,7 +127,7 @@ Field shown_box(RectifiedProjection projection, const RectifyOptions& options, c
   if (projection == RectifiedProjection::kPinhole) {
     const double seen_x = options.field_x_rad > 0 ? options.field_x_rad : 2 * std::max(-field.x.low, field.x.high);
     const double seen_y = options.field_y_rad > 0 ? options.field_y_rad : 2 * std::max(-field.y.low, field.y.high);
-    if (std::max(seen_x, seen_y) > kMostPinholeFieldRad) {
+    if (std::max(seen_x, seen_y) > kMostPinholeField_rad) {
       throw Error(ErrorKind::kBadInput,
                   "a pinhole image cannot hold the field of " + rounded(degrees(seen_x)) + "° x " +
                       rounded(degrees(seen_y)) +

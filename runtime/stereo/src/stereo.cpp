@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "raybundle/stereo/stereo.hpp"
 
-#include <algorithm>
-#include <utility>
 #include <vector>
 
 #include "calibration_sigma.hpp"

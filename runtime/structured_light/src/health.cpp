@@ -11,7 +11,7 @@
 namespace raybundle {
 namespace {
 
-constexpr double kClip_sigmas = 3.0;  // residuals count up to here: a wrong label must not raise an alarm
+constexpr double kClipSigmas = 3.0;  // residuals count up to here: a wrong label must not raise an alarm
 
 // Share of the chi-squared law of three degrees of freedom above a value.
 double chi_squared_above(double value) {
@@ -80,7 +80,7 @@ void Health::take(std::span<const Sample> samples, Frame& frame) const {
     const Eigen::Vector2d gradient = sample.ray.per_px.transpose() * beam.normal;
     const double of_dot = gradient.dot(sample.covariance_px2 * gradient);
     const double of_beam = beam.off_plane_variance(point.along_m, point.inverse_distance);
-    const double clip = kClip_sigmas * std::sqrt(of_dot + of_beam);
+    const double clip = kClipSigmas * std::sqrt(of_dot + of_beam);
     const double off = std::clamp(beam.off_plane(sample.ray.direction), -clip, clip);
     Vector4 by;
     by << beam.off_plane_by_wavelength(point.along_m, point.inverse_distance),

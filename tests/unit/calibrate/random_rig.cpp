@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "random_rig.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "synthetic_world.hpp"
 
@@ -207,14 +208,11 @@ RandomRig random_rig(ModelId model, std::uint64_t seed) {
     corners += view.observations.size();
     rig.problem.views.push_back(std::move(view));
   }
-  char text[240];
-  std::snprintf(
-      text, sizeof text,
-      "%dx%d, %.0f deg, f %.0f %.0f, board %zu points, %zu views %s, %zu corners, noise %.2f px, %.0f %% wrong",
+  rig.story = fmt::format(
+      "{}x{}, {:.0f} deg, f {:.0f} {:.0f}, board {} points, {} views {}, {} corners, noise {:.2f} px, {:.0f} % wrong",
       camera.size.width, camera.size.height, 2 * half_field_rad / kRadian, camera.fx(), camera.fy(),
       board.points.size(), rig.problem.views.size(), kHoldingNames[static_cast<std::size_t>(rig.holding)], corners,
       rig.noise_px, 100 * rig.outlier_share);
-  rig.story = text;
   return rig;
 }
 

@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "start_verdict.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <ctime>
 #include <limits>
 
@@ -138,13 +139,6 @@ Optimum truth_with_corners_of(const RandomRig& rig, const CalibrationProblem& wi
 
 double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-template <typename... Values>
-std::string text(const char* format, Values... values) {
-  char buffer[200];
-  std::snprintf(buffer, sizeof buffer, format, values...);
-  return buffer;
-}
-
 }  // namespace
 
 TruthStart start_from_truth(const RandomRig& rig) {
@@ -223,9 +217,9 @@ Judgement judge_start(const RandomRig& rig, const TruthStart& truth) {
     const bool proper = !ends_among_corners(rig.problem, answer, 0) || ends_among_corners(rig.problem, truths.state, 0);
     const bool reached = cost <= from_truth * (1.0 + kSameCost) + 1e-9 && kept >= kFewestRightKept && proper;
     if (!reached) judgement.verdict = truth.determined ? Verdict::kElsewhere : Verdict::kUndeterminedAnswer;
-    judgement.why =
-        text("cost %.8g, from the truth %.8g, %.1f %% of the right corners used, off the truth by %.1f sigma%s", cost,
-             from_truth, 100 * kept, judgement.error_sigmas, bent(answer.shapes[0]) ? ", board bent" : "");
+    judgement.why = fmt::format(
+        "cost {:.8g}, from the truth {:.8g}, {:.1f} % of the right corners used, off the truth by {:.1f} sigma{}", cost,
+        from_truth, 100 * kept, judgement.error_sigmas, bent(answer.shapes[0]) ? ", board bent" : "");
   } catch (const Error& error) {
     judgement.seconds = processor_seconds() - begin;
     const bool right =

@@ -17,7 +17,6 @@ TEST(Injectivity, PinholeCoversItsImage) {
   EXPECT_EQ(report.covered_fraction, 1.0);
   EXPECT_NEAR(report.nearest_border_angle_rad, std::atan(240.0 / 320.0), 1e-12);
   EXPECT_NEAR(report.farthest_border_angle_rad, std::atan(400.0 / 320.0), 1e-12);
-  EXPECT_FALSE(injectivity_warning(report).has_value());
 }
 
 TEST(Injectivity, FoldInsideTheImageIsFoundAtItsRadius) {
@@ -28,7 +27,6 @@ TEST(Injectivity, FoldInsideTheImageIsFoundAtItsRadius) {
   EXPECT_NEAR(report.first_offender_radius_px, 320.0 * 2.0 / 3.0, 3.5);  // the grid's step
   EXPECT_NEAR(report.max_angle_rad, M_PI_4, 1e-9);
   EXPECT_NEAR(report.covered_fraction, M_PI * 213.33 * 213.33 / (641 * 481), 0.02);
-  EXPECT_TRUE(injectivity_warning(report).has_value());
 }
 
 TEST(Injectivity, EquidistantFisheyeEndsStraightBehind) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "raybundle/device/checked_file.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "raybundle/device/byte_stream.hpp"
@@ -14,11 +15,7 @@ constexpr FileKind kKind{"RBTEST\r\n", 3, "test file", "make it"};
 
 std::string hexadecimal(const Sha256& digest) {
   std::string text;
-  for (const std::uint8_t byte : digest) {
-    char digits[3];
-    std::snprintf(digits, sizeof digits, "%02x", byte);
-    text += digits;
-  }
+  for (const std::uint8_t byte : digest) text += fmt::format("{:02x}", byte);
   return text;
 }
 

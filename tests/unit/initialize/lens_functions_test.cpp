@@ -37,7 +37,7 @@ std::vector<NamedLens> all_lenses() {
   return lenses;
 }
 
-constexpr double kScalePx = 3.0;
+constexpr double kScale_px = 3.0;
 
 /// Eleven corners, so that some are left when four at a time are taken; one of them far from where it is seen, and one
 /// behind the camera.
@@ -86,7 +86,7 @@ TEST(LensFunctions, RowsOfAViewAreTheWeighedDerivativesOfItsCorners) {
     const PointsInView view = view_of(lens, kPose);
     const int n = lens.functions.parameters;
     LensRows rows;
-    lens.functions.linearise(lens.parameters.data(), view, kPose, kScalePx, rows);
+    lens.functions.linearise(lens.parameters.data(), view, kPose, kScale_px, rows);
     Eigen::MatrixXd expected[2] = {Eigen::MatrixXd::Zero(12, n + 7), Eigen::MatrixXd::Zero(12, n + 7)};
     for (std::size_t i = 0; i < view.points.size(); ++i) {
       Eigen::Vector2d pixel;
@@ -97,7 +97,7 @@ TEST(LensFunctions, RowsOfAViewAreTheWeighedDerivativesOfItsCorners) {
           lens.functions.project_with_jacobians(lens.parameters.data(), ray, pixel, wrt_ray, wrt_lens.data());
       if (!projects || i == 5) continue;  // the one that is far off does not count
       const Eigen::Vector2d error = pixel - view.pixels[i];
-      const double weight = kScalePx * kScalePx / (kScalePx * kScalePx + error.squaredNorm());
+      const double weight = kScale_px * kScale_px / (kScale_px * kScale_px + error.squaredNorm());
       for (int axis = 0; axis < 2; ++axis) {
         auto row = expected[axis].row(static_cast<Eigen::Index>(i));
         const Eigen::Vector3d slope = wrt_ray.row(axis);

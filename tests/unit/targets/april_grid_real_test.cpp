@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <map>
-#include <set>
 
 #include "raybundle/targets/detect.hpp"
 #include "real_images.hpp"

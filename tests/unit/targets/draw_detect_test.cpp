@@ -13,11 +13,11 @@
 namespace raybundle {
 namespace {
 
-constexpr int kSquarePx = 60;
+constexpr int kSquare_px = 60;
 
 cv::Mat screen_image(const Board& board) {
   DrawOptions options;
-  options.square_px = kSquarePx;
+  options.square_px = kSquare_px;
   const std::string bytes = draw(board, DrawingFormat::kPng, options).bytes;
   return cv::imdecode(std::vector<unsigned char>(bytes.begin(), bytes.end()), cv::IMREAD_GRAYSCALE);
 }
@@ -25,7 +25,7 @@ cv::Mat screen_image(const Board& board) {
 // Pixel of each point of a board on its screen image: the margin is one square, and pixel 0 is centred at half a pixel.
 Eigen::Vector2d pixel_on_screen(const Board& board, const Target& target, int id, double square_m) {
   const Eigen::Vector2d in_picture = picture_of(board).picture_from_target(target.find(id)->x_in_target);
-  return (in_picture / square_m + Eigen::Vector2d::Ones()) * kSquarePx - Eigen::Vector2d::Constant(0.5);
+  return (in_picture / square_m + Eigen::Vector2d::Ones()) * kSquare_px - Eigen::Vector2d::Constant(0.5);
 }
 
 struct Case {
@@ -78,8 +78,8 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(DrawnAprilGrid, HasThePublishedCodeUpright) {
   const Board board = board_from_word("aprilgrid:1x1:80mm:0.25");  // 10 cells of 6 px
   const cv::Mat image = screen_image(board);
-  constexpr int kCell = kSquarePx / 10;
-  const int code_at = kSquarePx + kSquarePx / 4 + 2 * kCell;  // margin, gap, border
+  constexpr int kCell = kSquare_px / 10;
+  const int code_at = kSquare_px + kSquare_px / 4 + 2 * kCell;  // margin, gap, border
   std::uint64_t code = 0;
   for (int bit = 0; bit < 36; ++bit) {
     const int row = code_at + (bit / 6) * kCell + kCell / 2;

@@ -4,8 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <regex>
 
@@ -19,7 +17,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double kToleranceMm = 0.1;  // what a careful reader can see on a steel rule
+constexpr double kTolerance_mm = 0.1;  // what a careful reader can see on a steel rule
 
 // Where a line of pixels crosses from one half of the grey range to the other [px], to a fraction of a pixel.
 std::vector<double> edges_along(const cv::Mat& line) {
@@ -78,14 +76,14 @@ TEST_F(DrawnPdf, HasSquaresOfTrueSize) {
   const cv::Mat page = rendered_pdf(draw(board_from_word("chessboard:9x6:25mm"), DrawingFormat::kPdf), kDpi);
   ASSERT_FALSE(page.empty());
   const double mm = kDpi / 25.4;
-  EXPECT_NEAR(page.cols / mm, 297.0, kToleranceMm);
-  EXPECT_NEAR(page.rows / mm, 210.0, kToleranceMm);
+  EXPECT_NEAR(page.cols / mm, 297.0, kTolerance_mm);
+  EXPECT_NEAR(page.rows / mm, 210.0, kTolerance_mm);
   // The board stands in the middle of the page's width; a line through its second row of squares meets every edge.
   const double top = edges_along(page.col(static_cast<int>(page.cols / 2.0 + 12.0 * mm)).clone().reshape(0, 1)).front();
   const auto edges = edges_along(page.row(static_cast<int>(top + 37.0 * mm)));
   ASSERT_GE(edges.size(), 10u);
-  for (size_t i = 0; i + 1 < edges.size(); ++i) EXPECT_NEAR((edges[i + 1] - edges[i]) / mm, 25.0, kToleranceMm);
-  EXPECT_NEAR((edges.back() - edges.front()) / mm, 25.0 * static_cast<double>(edges.size() - 1), kToleranceMm);
+  for (size_t i = 0; i + 1 < edges.size(); ++i) EXPECT_NEAR((edges[i + 1] - edges[i]) / mm, 25.0, kTolerance_mm);
+  EXPECT_NEAR((edges.back() - edges.front()) / mm, 25.0 * static_cast<double>(edges.size() - 1), kTolerance_mm);
 }
 
 TEST_F(DrawnPdf, HasARulerOf100Millimetres) {
@@ -102,7 +100,7 @@ TEST_F(DrawnPdf, HasARulerOf100Millimetres) {
       const auto edges = edges_along(page.row(row));
       if (edges.size() == 2) longest = std::max(longest, edges[1] - edges[0]);
     }
-    EXPECT_NEAR(longest / mm, 100.0, kToleranceMm) << word;
+    EXPECT_NEAR(longest / mm, 100.0, kTolerance_mm) << word;
   }
 }
 
@@ -115,8 +113,8 @@ TEST_F(DrawnPdf, HasCirclesAtTrueDistance) {
   const auto edges = edges_along(page.col(page.cols / 2).clone().reshape(0, 1));
   ASSERT_GE(edges.size(), 14u);
   for (int disc = 0; disc < 7; ++disc) {
-    EXPECT_NEAR((edges[2 * disc + 1] - edges[2 * disc]) / mm, 10.0, kToleranceMm);
-    EXPECT_NEAR((edges[2 * disc] + edges[2 * disc + 1] - edges[0] - edges[1]) / 2 / mm, 20.0 * disc, kToleranceMm);
+    EXPECT_NEAR((edges[2 * disc + 1] - edges[2 * disc]) / mm, 10.0, kTolerance_mm);
+    EXPECT_NEAR((edges[2 * disc] + edges[2 * disc + 1] - edges[0] - edges[1]) / 2 / mm, 20.0 * disc, kTolerance_mm);
   }
 }
 
@@ -130,7 +128,7 @@ TEST(DrawnSvg, IsInMillimetres) {
     const size_t start = at + 4;
     widest = std::max(widest, width_of_path(drawing.bytes.substr(start, drawing.bytes.find('"', start) - start)));
   }
-  EXPECT_NEAR(widest, 250.0, kToleranceMm);
+  EXPECT_NEAR(widest, 250.0, kTolerance_mm);
 }
 
 TEST(DrawnPng, HasWholePixelsInEverySquare) {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <random>
 
 #include "laser_world.hpp"
@@ -14,7 +13,7 @@
 namespace raybundle {
 namespace {
 
-constexpr double kNoisePx = 0.1;
+constexpr double kNoise_px = 0.1;
 
 struct LaserWorld {
   testing::SyntheticWorld world;
@@ -23,10 +22,10 @@ struct LaserWorld {
 
 LaserWorld laser_world() {
   testing::SyntheticOptions options = testing::laser_rig_options(14, 3);
-  options.noise_px = kNoisePx;
+  options.noise_px = kNoise_px;
   LaserWorld made{testing::synthetic_world(options), {}};
   made.laser =
-      testing::add_laser(made.world, {.grid = {.rows = 7, .columns = 7}, .noise_px = kNoisePx, .labelled = true});
+      testing::add_laser(made.world, {.grid = {.rows = 7, .columns = 7}, .noise_px = kNoise_px, .labelled = true});
   return made;
 }
 
@@ -36,7 +35,7 @@ CalibrationProblem with_board(const LaserWorld& made, const Rigid3& rig_from_tar
   const Camera& camera = made.world.cameras[0];
   const Target& target = problem.targets[0];
   std::mt19937 random(7);
-  std::normal_distribution<double> noise(0.0, kNoisePx);
+  std::normal_distribution<double> noise(0.0, kNoise_px);
   const auto seen = [&](const Eigen::Vector3d& x_in_target) -> std::optional<Eigen::Vector2d> {
     const auto pixel = pixel_from_ray(camera, rig_from_target * x_in_target);
     if (!pixel || pixel->minCoeff() < 0 || pixel->x() > camera.size.width - 1) return std::nullopt;

@@ -12,7 +12,7 @@
 namespace raybundle::testing {
 namespace {
 
-constexpr double kDepthM = 1.0;
+constexpr double kDepth_m = 1.0;
 
 RigCamera pinhole(const std::string& name, double x_m) {
   Camera camera = start_camera(*model_named("pinhole"), {640, 480}, 400.0);
@@ -25,13 +25,13 @@ TEST(StereoDepth, OfParallelPinholesIsTheTextbooks) {
   const RigCamera left = pinhole("left", 0.0), right = pinhole("right", -0.1);
   const Eigen::Vector2d pixel(left.camera.cx(), left.camera.cy());
   const Covariance baseline{{"right.camera_from_rig.translation_x"}, Eigen::MatrixXd::Constant(1, 1, 1e-6)};
-  EXPECT_NEAR(stereo_depth(left, right, baseline, pixel, kDepthM).sigma_m, kDepthM * 1e-3 / 0.1, 1e-9);
+  EXPECT_NEAR(stereo_depth(left, right, baseline, pixel, kDepth_m).sigma_m, kDepth_m * 1e-3 / 0.1, 1e-9);
   const Covariance turn{{"right.camera_from_rig.rotation_y"}, Eigen::MatrixXd::Constant(1, 1, 1e-6)};
-  EXPECT_NEAR(stereo_depth(left, right, turn, pixel, kDepthM).sigma_m, 1e-3 * kDepthM * kDepthM / 0.1, 1e-9);
+  EXPECT_NEAR(stereo_depth(left, right, turn, pixel, kDepth_m).sigma_m, 1e-3 * kDepth_m * kDepth_m / 0.1, 1e-9);
   const Covariance none{{}, Eigen::MatrixXd(0, 0)};
-  EXPECT_EQ(stereo_depth(left, right, none, pixel, kDepthM).sigma_m, 0.0);
-  EXPECT_NEAR(stereo_depth(left, right, none, pixel, kDepthM).per_px_m,
-              std::sqrt(2.0) * kDepthM * kDepthM / (400.0 * 0.1), 2e-2 * 0.035);
+  EXPECT_EQ(stereo_depth(left, right, none, pixel, kDepth_m).sigma_m, 0.0);
+  EXPECT_NEAR(stereo_depth(left, right, none, pixel, kDepth_m).per_px_m,
+              std::sqrt(2.0) * kDepth_m * kDepth_m / (400.0 * 0.1), 2e-2 * 0.035);
 }
 
 // A turn of the first camera by the same amount, or shifted centres of both: what all parameters do together.
@@ -47,7 +47,7 @@ TEST(StereoDepth, FollowsATriangulationWithChangedCameras) {
   one.matrix = change * change.transpose();
 
   const Eigen::Vector3d in_left =
-      kDepthM / ray_from_pixel(left.camera, pixel)->z() * *ray_from_pixel(left.camera, pixel);
+      kDepth_m / ray_from_pixel(left.camera, pixel)->z() * *ray_from_pixel(left.camera, pixel);
   const Eigen::Vector2d in_right = *pixel_from_ray(right.camera, right.camera_from_rig * in_left);
   left.camera.parameters[2] += change[0];
   left.camera.parameters[4] += change[1];
@@ -73,14 +73,14 @@ TEST(StereoDepth, FollowsATriangulationWithChangedCameras) {
   }
   const RigCamera before_left{"left", world.cameras[0], {}},
       before_right{"right", world.cameras[1], world.camera_from_rig[1]};
-  const double moved = std::abs(x.z() - kDepthM);
-  EXPECT_NEAR(stereo_depth(before_left, before_right, one, pixel, kDepthM).sigma_m, moved, 1e-3 * moved);
+  const double moved = std::abs(x.z() - kDepth_m);
+  EXPECT_NEAR(stereo_depth(before_left, before_right, one, pixel, kDepth_m).sigma_m, moved, 1e-3 * moved);
 }
 
 TEST(StereoDepth, IsNothingWhereTheSecondCameraDoesNotSee) {
   const RigCamera left = pinhole("left", 0.0), right = pinhole("right", -5.0);
   const Covariance none{{}, Eigen::MatrixXd(0, 0)};
-  EXPECT_TRUE(std::isnan(stereo_depth(left, right, none, {320, 240}, kDepthM).sigma_m));
+  EXPECT_TRUE(std::isnan(stereo_depth(left, right, none, {320, 240}, kDepth_m).sigma_m));
 }
 
 }  // namespace

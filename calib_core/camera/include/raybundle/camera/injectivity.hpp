@@ -4,7 +4,6 @@
 
 #include <Eigen/Core>
 #include <optional>
-#include <string>
 
 #include "raybundle/camera/camera.hpp"
 
@@ -28,8 +27,5 @@ struct InjectivityReport {
 /// @param samples_per_side  grid points along each side, at least 2
 /// @throws Error(kBadInput) when the camera's image is empty or its parameters do not fit the model
 InjectivityReport check_injectivity(const Camera& camera, int samples_per_side = 65);
-
-/// One sentence for the person who calibrates; nothing when the projection is one-to-one.
-std::optional<std::string> injectivity_warning(const InjectivityReport& report);
 
 }  // namespace raybundle

@@ -59,7 +59,7 @@ struct Grating {
 std::optional<Line3> beam_of_order(const Grating& grating, double m, double n);
 
 /// Depths at which a calibration states how well a dot's depth is known [m].
-inline constexpr std::array kStatedDepthsM{0.3, 0.5, 1.0, 1.5};
+inline constexpr std::array kStatedDepths_m{0.3, 0.5, 1.0, 1.5};
 
 /// How well a dot's depth, along z of the rig's first camera, is known where camera and beam meet.
 struct BeamDepth {
@@ -78,7 +78,7 @@ struct LaserBeam {
   int hits = 0;                ///< dots that determined it
   double nearest_hit_m = 0.0;  ///< range of the hits along the line, from the point nearest to the rig's origin
   double farthest_hit_m = 0.0;
-  std::array<BeamDepth, kStatedDepthsM.size()> depths = {};  ///< at kStatedDepthsM
+  std::array<BeamDepth, kStatedDepths_m.size()> depths = {};  ///< at kStatedDepths_m
 };
 
 /// Two beams whose dots can lie at the same place of the image, so that one dot alone does not tell them apart.

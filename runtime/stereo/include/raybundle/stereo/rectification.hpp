@@ -38,7 +38,7 @@ struct Rectification {
 
 /// The field of view in which a pinhole image samples its rim less than twice as densely as its centre: up to it the
 /// advised projection is a pinhole.
-inline constexpr double kPinholeAdvisedFieldRad = M_PI_2;
+inline constexpr double kPinholeAdvisedField_rad = M_PI_2;
 
 /// Rectifies two calibrated cameras of any models.
 ///

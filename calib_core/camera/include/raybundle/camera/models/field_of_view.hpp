@@ -26,28 +26,15 @@ struct FieldOfView {
 
   template <typename T>
   static bool plane_from_ray(const T* shape, const T* ray, T* plane) {
-    using std::atan2, std::sqrt, std::tan;
-    const T& w = shape[0];
-    const T rho2 = ray[0] * ray[0] + ray[1] * ray[1];
-    if (!valid(w, rho2, ray[2])) return false;
-    T scale;
-    if (is_small(w)) {
-      scale = (T(1) + w * w * (T(1.0 / 12) - rho2 / (T(3) * ray[2] * ray[2]))) / ray[2];
-    } else if (is_on_axis(rho2, ray[2])) {
-      scale = T(2) * tan(T(0.5) * w) / (w * ray[2]);
-    } else {
-      const T rho = sqrt(rho2);
-      scale = atan2(T(2) * tan(T(0.5) * w) * rho, ray[2]) / (w * rho);
-    }
-    plane[0] = scale * ray[0];
-    plane[1] = scale * ray[1];
-    return true;
+    T gain, angle;
+    return plane_from_ray(shape, ray, plane, gain, angle);
   }
 
   template <typename T>
   static bool plane_from_ray(const T* shape, const T* ray, T* plane, T* plane_wrt_ray, T* plane_wrt_shape) {
-    if (!plane_from_ray(shape, ray, plane)) return false;
-    using std::atan2, std::sqrt, std::tan;
+    T gain, angle;
+    if (!plane_from_ray(shape, ray, plane, gain, angle)) return false;
+    using std::sqrt;
     const T w = shape[0];
     const T z = ray[2];
     const T rho2 = ray[0] * ray[0] + ray[1] * ray[1];
@@ -55,7 +42,6 @@ struct FieldOfView {
     const T rho = sqrt(rho2);
     const T cosine = on_axis ? T(1) : ray[0] / rho;  // of the azimuth
     const T sine = on_axis ? T(0) : ray[1] / rho;
-    const T gain = 2.0 * tan(0.5 * w);
 
     T tangential;  // r / ρ
     T radial;      // dr/dρ
@@ -69,7 +55,7 @@ struct FieldOfView {
       r_wrt_z = -radial * rho / z;
     } else {
       const T inverse = 1.0 / (gain * gain * rho2 + z * z);
-      const T r = atan2(gain * rho, z) / w;
+      const T r = angle / w;
       tangential = on_axis ? gain / (w * z) : r / rho;
       radial = gain * z * inverse / w;
       r_wrt_z = -gain * rho * inverse / w;
@@ -110,6 +96,28 @@ struct FieldOfView {
   }
 
  private:
+  /// Also gives 2 tan(w/2) and the arctangent, where w is not small.
+  template <typename T>
+  static bool plane_from_ray(const T* shape, const T* ray, T* plane, T& gain, T& angle) {
+    using std::atan2, std::sqrt, std::tan;
+    const T& w = shape[0];
+    const T rho2 = ray[0] * ray[0] + ray[1] * ray[1];
+    if (!valid(w, rho2, ray[2])) return false;
+    T scale;
+    if (is_small(w)) {
+      gain = angle = T(0);
+      scale = (T(1) + w * w * (T(1.0 / 12) - rho2 / (T(3) * ray[2] * ray[2]))) / ray[2];
+    } else {
+      const T rho = sqrt(rho2);
+      gain = T(2) * tan(T(0.5) * w);
+      angle = atan2(gain * rho, ray[2]);
+      scale = is_on_axis(rho2, ray[2]) ? gain / (w * ray[2]) : angle / (w * rho);
+    }
+    plane[0] = scale * ray[0];
+    plane[1] = scale * ray[1];
+    return true;
+  }
+
   /// Below, the arctangent is replaced by its series in w, exact to 1e-13 up to 89.9° off the axis.
   template <typename T>
   static bool is_small(const T& w) {
