@@ -67,9 +67,11 @@ void run(const ImportFlags& flags) {
   const ForeignFiles read = read_foreign_files(flags.files, flags.from);
   const CalibrationFile file = calibration_from(flags, read);
   for (const RigCamera& camera : file.calibration.cameras) {
-    if (const auto warning = injectivity_warning(check_injectivity(camera.camera))) {
-      say_warning(camera.name + ": " + *warning);
-    }
+    const InjectivityReport report = check_injectivity(camera.camera);
+    if (report.one_to_one()) continue;
+    say_warning(fmt::format("{}: {:.1f} % of the image have no ray, from pixel ({:.0f}, {:.0f}) outwards", camera.name,
+                            100.0 * (1.0 - report.covered_fraction), report.first_offender->x(),
+                            report.first_offender->y()));
   }
   write_calibration(flags.output, file);
   if (flags.json) {

@@ -3,6 +3,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <string>
+#include <tuple>
 #include <type_traits>
 
 #include "bindings.hpp"
@@ -29,7 +30,11 @@ CalibrateOptions options_from(const py::kwargs& words) {
   CalibrateOptions::for_each_option(options, [&](const char* name, const char*, const char*, auto& value) {
     known += (known.empty() ? "" : ", ") + std::string(name);
     if (!words.contains(name)) return;
-    value = words[name].template cast<std::decay_t<decltype(value)>>();
+    try {
+      value = words[name].template cast<std::decay_t<decltype(value)>>();
+    } catch (const py::cast_error&) {
+      throw py::type_error(std::string(name) + " has to be like " + std::string(py::str(py::cast(value))));
+    }
     ++used;
   });
   if (used != words.size()) throw py::type_error("calibrate() knows these options: " + known);
@@ -38,8 +43,10 @@ CalibrateOptions options_from(const py::kwargs& words) {
 
 Solved solve(const CalibrationProblem& problem, const py::kwargs& words) {
   const CalibrateOptions options = options_from(words);
-  const py::gil_scoped_release others_may_run;
-  return {problem, calibrate(problem, options)};
+  Solved solved{problem, {}};
+  const py::gil_scoped_release others_may_run;  // who may change the problem, but not the copy
+  solved.result = calibrate(solved.problem, options);
+  return solved;
 }
 
 Provenance provenance_of_python() { return {"raybundle.calibrate() of the Python module", {}, {}, {}}; }
@@ -73,15 +80,16 @@ void bind_calibrate(py::module_& module) {
       .def_property_readonly(
           "rig_from_target",
           [](const Solved& solved) {
-            std::vector<std::pair<std::string, Eigen::Matrix4d>> poses;
+            std::vector<std::tuple<std::string, std::string, Eigen::Matrix4d>> poses;
             for (const BoardPose& pose : solved.result.poses) {
-              poses.emplace_back(solved.problem.frames[pose.frame], matrix_from_rigid3(pose.rig_from_target));
+              poses.emplace_back(solved.problem.frames[pose.frame], solved.problem.targets[pose.target].name,
+                                 matrix_from_rigid3(pose.rig_from_target));
             }
             return poses;
           },
-          "Frames with the poses (4, 4) of their boards.")
+          "Frame, board and pose (4, 4) of each board in each frame.")
       .def("residuals", &residuals_of, py::arg("view"),
-           "Measured minus projected (N, 2) [px] of a view's observations.")
+           "Measured minus projected (N, 2) [px] of a view's observations; NaN for those that were left out.")
       .def(
           "write_calibration",
           [](const Solved& solved, const std::filesystem::path& path) {

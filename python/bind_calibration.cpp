@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <pybind11/stl/filesystem.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 
 #include "bindings.hpp"
+#include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
 #include "raybundle/uncertainty/projection_uncertainty.hpp"
 
@@ -14,15 +17,27 @@ namespace {
 
 namespace py = pybind11;
 
+// By the noise of the corners, by how the frames scatter, or, for each pixel, by whichever is larger.
 Eigen::VectorXd projection_sigma(const Calibration& calibration, const std::string& camera,
-                                 const Eigen::Ref<const Rows<2>>& pixels, double range_m, bool by_frames) {
-  const bool frames = by_frames && calibration.covariance_by_frame;
-  const ProjectionUncertainty uncertainty = projection_uncertainty(
-      camera_named(calibration, camera), frames ? *calibration.covariance_by_frame : calibration.covariance);
+                                 const Eigen::Ref<const Rows<2>>& pixels, double range_m, const std::string& by) {
+  if (by != "larger" && by != "corners" && by != "frames")
+    throw py::value_error("by is 'larger', 'corners' or 'frames'");
+  if (!(range_m > 0.0)) throw py::value_error("range_m has to be above 0; math.inf is for points that are far away");
+  if (by == "frames" && !calibration.covariance_by_frame) {
+    throw Error(ErrorKind::kNotEnoughData, "fewer than ten frames do not tell how they scatter; ask by='corners'");
+  }
+  std::vector<ProjectionUncertainty> asked;
+  const RigCamera& rig_camera = camera_named(calibration, camera);
+  if (by != "frames") asked.push_back(projection_uncertainty(rig_camera, calibration.covariance));
+  if (by != "corners" && calibration.covariance_by_frame) {
+    asked.push_back(projection_uncertainty(rig_camera, *calibration.covariance_by_frame));
+  }
   Eigen::VectorXd sigmas = Eigen::VectorXd::Constant(pixels.rows(), std::numeric_limits<double>::quiet_NaN());
   for (Eigen::Index i = 0; i < pixels.rows(); ++i) {
-    const auto covariance = projection_covariance(uncertainty, pixels.row(i).transpose(), range_m);
-    if (covariance) sigmas[i] = largest_sigma(*covariance);
+    for (const ProjectionUncertainty& uncertainty : asked) {
+      const auto covariance = projection_covariance(uncertainty, pixels.row(i).transpose(), range_m);
+      if (covariance) sigmas[i] = std::fmax(sigmas[i], largest_sigma(*covariance));
+    }
   }
   return sigmas;
 }
@@ -76,13 +91,35 @@ void bind_calibration(py::module_& module) {
                              [](const Calibration& calibration) {
                                return calibration.laser ? calibration.laser->beams : std::vector<LaserBeam>{};
                              })
-      .def("projection_sigma", &projection_sigma, py::arg("camera"), py::arg("pixels"),
-           py::arg("range_m") = kInfinitelyFar, py::arg("by_frames") = false,
-           "Standard deviations (N) [px] of where a camera sees points that it now sees at pixels (N, 2), at a range.");
+      .def(
+          "projection_sigma", &projection_sigma, py::arg("camera"), py::arg("pixels"),
+          py::arg("range_m") = kInfinitelyFar, py::arg("by") = "larger",
+          "Standard deviations (N) [px] of where a camera sees points that it now sees at pixels (N, 2), at a range: by "
+          "the noise of the corners, by how the frames scatter, or the larger of both. NaN where there is no ray.")
+      .def("__len__", [](const Calibration& calibration) { return calibration.cameras.size(); })
+      .def("__contains__",
+           [](const Calibration& calibration, const std::string& name) {
+             return std::ranges::find(calibration.cameras, name, &RigCamera::name) != calibration.cameras.end();
+           })
+      .def(
+          "__iter__",
+          [](const Calibration& calibration) {
+            return py::make_iterator(calibration.cameras.begin(), calibration.cameras.end());
+          },
+          py::keep_alive<0, 1>());
 
   module.def(
       "read_calibration", [](const std::filesystem::path& path) { return read_calibration(path).calibration; },
       py::arg("path"), "Reads calibration.json and replays its self-test.");
+  module.def(
+      "write_calibration",
+      [](const Calibration& calibration, const std::filesystem::path& path) {
+        CalibrationFile file;
+        file.calibration = calibration;
+        file.provenance.command = "raybundle.write_calibration() of the Python module";
+        write_calibration(path, file);
+      },
+      py::arg("calibration"), py::arg("path"), "Writes calibration.json, whole or not at all.");
 }
 
 }  // namespace raybundle::python

@@ -31,6 +31,7 @@ PYBIND11_MODULE(raybundle, module) {
       "Raybundle: fisheye intrinsics, extrinsics and laser beams in one bundle adjustment, with covariance.\n\n"
       "Lengths are metres, angles radians, images pixels; (0, 0) is the centre of the top-left pixel. Transforms are 4x4 "
       "and called b_from_a. Points and pixels stand in the rows of arrays.";
+  module.attr("__version__") = RAYBUNDLE_VERSION;
   pybind11::register_exception<Error>(module, "Error", PyExc_ValueError).doc() =
       "Bad input, files and data that cannot determine the answer: one sentence that says what to do.";
   python::bind_camera(module);

@@ -70,8 +70,9 @@ def problem_of(rig, noise_px, seed=1):
 
 
 class Cameras(unittest.TestCase):
-    def test_every_model_projects_what_it_unprojects(self):
+    def test_projects_what_it_unprojects(self):
         self.assertIn("kannala_brandt", raybundle.camera_models())
+        self.assertEqual(raybundle.parameter_names("pinhole"), ["fx", "fy", "cx", "cy"])
         camera = raybundle.Camera("kannala_brandt", 640, 480, FISHEYE)
         self.assertEqual(camera.named_parameters()["k2"], 0.005)
         pixels = np.array([[320.0, 240.0], [100.5, 50.25], [600.0, 400.0]])
@@ -120,6 +121,12 @@ class Calibrates(unittest.TestCase):
         self.assertEqual(len(problem), len([1 for view in range(len(problem)) if len(result.residuals(view))]))
         sigmas = result.calibration.projection_sigma("left", np.array([[320.0, 240.0], [20.0, 20.0]]))
         self.assertLess(sigmas[0], sigmas[1])
+        asked = [result.calibration.projection_sigma("left", np.array([[320.0, 240.0]]), by=by)[0]
+                 for by in ("corners", "frames", "larger")]
+        self.assertEqual(asked[2], max(asked[:2]))
+        for range_m in (0.0, -1.0, math.nan):
+            with self.assertRaisesRegex(ValueError, "above 0"):
+                result.calibration.projection_sigma("left", np.array([[320.0, 240.0]]), range_m=range_m)
         np.testing.assert_array_less(sigmas, 1.0)
 
     def test_rules_hold_parameters(self):
@@ -140,6 +147,9 @@ class Calibrates(unittest.TestCase):
                                           result.calibration["left"].camera.parameters)
             # One triangle is saved; the other may differ by rounding.
             np.testing.assert_allclose(back.covariance.matrix, result.calibration.covariance.matrix, rtol=1e-12)
+            raybundle.write_calibration(back, path)
+            self.assertEqual([camera.name for camera in raybundle.read_calibration(path)], ["left", "right"])
+            self.assertTrue("left" in back and "middle" not in back and len(back) == 2)
             result.write_report(Path(folder) / "report.json")
             report = json.loads((Path(folder) / "report.json").read_text())
             self.assertEqual(report["rms_px"], result.rms_px)
@@ -148,6 +158,8 @@ class Calibrates(unittest.TestCase):
         problem = problem_of(true_rig(), noise_px=0.1)
         with self.assertRaisesRegex(TypeError, "knows these options: estimate_shape"):
             raybundle.calibrate(problem, shape=False)
+        with self.assertRaisesRegex(TypeError, "threads has to be like 2"):
+            raybundle.calibrate(problem, threads="x")
         with self.assertRaisesRegex(raybundle.Error, "no camera 'middle'"):
             problem.add_view("middle", "frame 1", [0], [[1.0, 2.0]])
         with self.assertRaisesRegex(raybundle.Error, "as many ids as pixels"):

@@ -166,10 +166,10 @@ ForeignFormat kalibr_format() {
           .what = "camchain.yaml of Kalibr",
           .file = "camchain.yaml",
           .holds_extrinsics = true,
-          // Its reader knows pinhole-none but does not get on with it.
-          .lenses = {foreign_lens("pinhole-radtan", "pinhole", "fx fy cx cy 0 0 0 0"),
+          .lenses = {foreign_lens("pinhole-radtan", "brown_conrady", "fx fy cx cy k1 k2 p1 p2"),
+                     // Its reader knows pinhole-none but does not get on with it.
+                     foreign_lens("pinhole-radtan", "pinhole", "fx fy cx cy 0 0 0 0"),
                      foreign_lens("pinhole-none", "pinhole", "fx fy cx cy"),
-                     foreign_lens("pinhole-radtan", "brown_conrady", "fx fy cx cy k1 k2 p1 p2"),
                      foreign_lens("pinhole-equi", "kannala_brandt", "fx fy cx cy k1 k2 k3 k4", kBeforeTheCamera),
                      foreign_lens("pinhole-fov", "field_of_view", "fx fy cx cy w", kBeforeTheCamera),
                      foreign_lens("omni-none", "unified", "xi fx fy cx cy"),
