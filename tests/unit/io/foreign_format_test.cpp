@@ -170,6 +170,8 @@ TEST(ForeignYaml, RefusesKeysThatStandTwiceAndAliasesWithoutEnd) {
                                .text;
   EXPECT_THAT(message_of([&] { read_as("kalibr", with_text(good + "  resolution: [1, 1]\n")); }),
               HasSubstr("stands twice"));
+  EXPECT_THAT(message_of([&] { read_as("mrcal", with_text("4, 0.0]\n{\n 'lensmodel': 'LENSMODEL_OPENCV8',\n")); }),
+              HasSubstr("file"));  // and it ends
   std::string bomb = "cam0: &a0 [x, x, x, x, x, x, x, x, x, x]\n";
   for (int i = 1; i < 9; ++i) {
     bomb += fmt::format("k{0}: &a{0} [*a{1}, *a{1}, *a{1}, *a{1}, *a{1}, *a{1}, *a{1}, *a{1}, *a{1}]\n", i, i - 1);

@@ -26,14 +26,11 @@ YamlNode YamlNode::parse(const NamedText& file) {
   std::string text = file.text;
   if (text.starts_with(kOpenCvHead)) text.front() = '#';
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() != 1) {
-      throw Error(ErrorKind::kBadInput, "has to hold one YAML document; is this the right file?", file.name);
-    }
-    const YamlNode root(documents[0], file.name, "");
+    // The first document; YAML::LoadAll, which would tell of others, does not end on some texts that are no YAML.
+    const YamlNode root(YAML::Load(text), file.name, "");
     int nodes = 0;
-    root.refuse_keys_that_stand_twice(nodes);
     if (!root.node_.IsMap()) throw Error(ErrorKind::kBadInput, "has no keys; is this the right file?", file.name);
+    root.refuse_keys_that_stand_twice(nodes);
     return root;
   } catch (const YAML::Exception& error) {
     throw Error(ErrorKind::kBadInput, "this is not valid YAML: " + error.msg + "; correct it or write the file again",
