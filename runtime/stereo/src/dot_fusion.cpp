@@ -19,8 +19,8 @@ constexpr double kSigmaFloor_px = 1e-3;
 const DotFusionOptions& checked(ImageSize size, const DotFusionOptions& options) {
   require(size.width > 0 && size.height > 0, "an image that dots lie in has pixels");
   require(options.reach_px >= 1 && options.ring_px >= 1, "the reach and the ring of dots are at least 1 px");
-  require(options.most_slope >= 0 && options.bend >= 0 && options.like_grey >= 0 && options.match_sigma_px > 0 &&
-              options.gate_sigmas > 0 && options.contradict_sigmas > 0,
+  require(options.most_slope >= 0 && options.bend >= 0 && options.like_grey >= 0 && options.gate_sigmas > 0 &&
+              options.contradict_sigmas > 0,
           "slope, bend, likeness and sigmas of dot fusion are not negative");
   require(options.most_dots >= 0, "the number of dots is not negative");
   return options;
@@ -250,7 +250,7 @@ int DotFusion::contradict(const Plane& plane) {
       if (source_[i] != static_cast<std::uint8_t>(DisparitySource::kMatched)) continue;
       const double du = u - plane.dot.u_px, dv = v - plane.dot.v_px;
       const double error = disparity_px_[i] - plane.at(du, dv);
-      const double variance = options_.match_sigma_px * options_.match_sigma_px + plane.variance(du, dv);
+      const double variance = static_cast<double>(sigma_px_[i]) * sigma_px_[i] + plane.variance(du, dv);
       if (error * error <= options_.contradict_sigmas * options_.contradict_sigmas * variance) continue;
       source_[i] = static_cast<std::uint8_t>(DisparitySource::kContradicted);
       disparity_px_[i] = sigma_px_[i] = 0.0F;
@@ -270,7 +270,7 @@ FusedView DotFusion::fuse(GreyView left, const DisparityView& dense, std::span<c
       const std::size_t i = static_cast<std::size_t>(v) * width + u;
       const auto match = static_cast<Match>(dense.match.at(u, v));
       disparity_px_[i] = dense.disparity_px.at(u, v);
-      sigma_px_[i] = match == Match::kMatched ? static_cast<float>(options_.match_sigma_px) : 0.0F;
+      sigma_px_[i] = dense.sigma_px.at(u, v);
       DisparitySource source = match == Match::kMatched ? DisparitySource::kMatched : DisparitySource::kNone;
       if (match != Match::kMatched && match != Match::kUncovered && !dots_.empty() &&
           fill(u, v, left.at(u, v), disparity_px_[i], sigma_px_[i])) {

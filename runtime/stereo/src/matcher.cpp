@@ -33,6 +33,7 @@ const MatchOptions& checked(ImageSize size, const MatchOptions& options) {
   require(options.small_step >= 0 && options.small_step <= options.large_step && options.large_step <= 1.5,
           "the costs of steps are from 0 to 1.5, the small one at most the large one");
   require(options.edge_grey > 0, "the step of grey values at an edge is above 0");
+  require(options.noise_grey > 0, "the noise of grey values is above 0");
   return options;
 }
 

@@ -16,6 +16,12 @@
 namespace raybundle {
 namespace {
 
+// Standard deviation of a disparity that paths have found, before it is refined [px]. Where windows are alike it is that
+// of texture that hardly tells; where half of their census bits differ they have nothing in common, and what the paths
+// brought along is steps of disparity off. Both as boards of known shape show in images of three pairs of cameras.
+constexpr float kSigmaOfEqual = 0.4F;
+constexpr float kSigmaPerShare = 2.5F;  // of the largest cost
+
 // For all disparities: a window of 255s in the middle of zeros, to take three neighbours out of the race.
 constexpr int kMostLanes = 256;
 constexpr auto kThreeOut = [] {
@@ -84,12 +90,17 @@ template <typename Bytes, int n>
   for (int j = 0; j < n; ++j) {
     others.part[j] = sums.part[j] | Bytes::load(kThreeOut.data() + kMostLanes + j * Bytes::kCount - disparity);
   }
+  std::array<std::uint8_t, n * Bytes::kCount> sum;
+  sums.store(sum.data());
+  const int before = std::max(disparity - 1, 0), after = std::min(disparity + 1, n * Bytes::kCount - 1);
   best.disparity[x] = static_cast<std::uint8_t>(disparity);
   best.sum[x] = lowest.first();
   best.second[x] = others.spread_least().first();
-  best.before[x] = costs[std::max(disparity - 1, 0)];
+  best.sum_before[x] = sum[static_cast<std::size_t>(before)];
+  best.sum_after[x] = sum[static_cast<std::size_t>(after)];
+  best.before[x] = costs[before];
   best.cost[x] = costs[disparity];
-  best.after[x] = costs[std::min(disparity + 1, n * Bytes::kCount - 1)];
+  best.after[x] = costs[after];
 }
 
 template <typename Bytes, int n>
@@ -147,11 +158,17 @@ inline void judge_row(JudgeRow row) {
     state = no_texture ? code(Match::kFlat) : state;
     row.match[x] = row.covered[x] == 0 ? code(Match::kUncovered) : state;
   }
+  const float per_cost = kSigmaPerShare / static_cast<float>(row.most);
 #pragma GCC ivdep
   for (int x = row.extent.begin; x < row.extent.end; ++x) {
-    const float part = sub_pixel(best.before[x], best.cost[x], best.after[x]);
+    // The paths' sums chose it, and are least there; costs alone may be less beside it. They count as one path more.
+    const float part =
+        sub_pixel(kFineCosts * best.sum_before[x] + best.before[x], kFineCosts * best.sum[x] + best.cost[x],
+                  kFineCosts * best.sum_after[x] + best.after[x]);
     const float whole = static_cast<float>(row.first[x] + best.disparity[x]);
+    const float sigma = kSigmaOfEqual + per_cost * static_cast<float>(best.cost[x]);
     row.disparity_px[x] = row.match[x] == kMatched ? whole + part : 0.0F;
+    row.sigma_px[x] = row.match[x] == kMatched ? sigma : 0.0F;
   }
 }
 

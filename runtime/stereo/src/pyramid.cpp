@@ -59,9 +59,13 @@ PyramidLevel::PyramidLevel(ImageSize size, const MatchOptions& options, bool coa
       regions_(size),
       first_(pixels_of(size), static_cast<std::int16_t>(options.least_disparity)),
       disparity_px_(pixels_of(size)),
+      sigma_px_(pixels_of(size)),
       match_(pixels_of(size)),
       guide_px_(static_cast<std::size_t>(size.width / 2)) {
-  if (!halved) return;
+  if (!halved) {
+    if (options.refine) refinement_.emplace(size, options.noise_grey, row_kernels(options.simd));
+    return;
+  }
   for (Image* image : {&left_, &right_}) {
     *image = {size, std::vector<std::uint8_t>(pixels_of(size)), std::vector<std::uint8_t>(pixels_of(size), 1)};
   }
@@ -76,8 +80,9 @@ void PyramidLevel::halve(GreyView left, GreyView right, const std::uint8_t* left
 void PyramidLevel::search(GreyView left, GreyView right, const std::uint8_t* left_covered,
                           const std::uint8_t* right_covered) {
   const ImageView<const std::int16_t> first{first_.data(), size_.width, size_.height, size_.width};
-  search_.run({left, right, right_covered, first}, left_covered, disparity_px_.data(), match_.data());
-  matched_ = regions_.remove(options_.least_region_px, disparity_px_.data(), match_.data());
+  search_.run({left, right, right_covered, first}, left_covered, disparity_px_.data(), sigma_px_.data(), match_.data());
+  matched_ = regions_.remove(options_.least_region_px, disparity_px_.data(), sigma_px_.data(), match_.data());
+  if (refinement_) refinement_->run(left, right, search_.extents(), disparity_px_.data(), sigma_px_.data());
 }
 
 void PyramidLevel::search_around(const PyramidLevel& coarser) {
@@ -99,6 +104,7 @@ void PyramidLevel::search_around(const PyramidLevel& coarser) {
 
 DisparityView PyramidLevel::found() const {
   return {{disparity_px_.data(), size_.width, size_.height, size_.width},
+          {sigma_px_.data(), size_.width, size_.height, size_.width},
           {match_.data(), size_.width, size_.height, size_.width},
           matched_};
 }

@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "raybundle/stereo/matcher.hpp"
+#include "refinement.hpp"
 #include "regions.hpp"
 #include "search.hpp"
 
@@ -42,9 +44,10 @@ class PyramidLevel {
   int last_first_;  // the largest that a first disparity can be
   Search search_;
   SmallRegions regions_;
+  std::optional<Refinement> refinement_;  // of the whole image: of the others the next one only asks where to search
   Image left_, right_;
   std::vector<std::int16_t> first_;
-  std::vector<float> disparity_px_;
+  std::vector<float> disparity_px_, sigma_px_;
   std::vector<std::uint8_t> match_;
   std::vector<float> guide_px_;  // a row
   int matched_ = 0;

@@ -34,7 +34,7 @@ void SmallRegions::join(int a, int b) {
   runs_[static_cast<std::size_t>(a)].pixels += runs_[static_cast<std::size_t>(b)].pixels;
 }
 
-int SmallRegions::remove(int least_pixels, float* disparity_px, std::uint8_t* match) {
+int SmallRegions::remove(int least_pixels, float* disparity_px, float* sigma_px, std::uint8_t* match) {
   runs_.clear();
   int above = 0;  // first run of the row above
   int row = 0;    // first run of this row
@@ -70,6 +70,7 @@ int SmallRegions::remove(int least_pixels, float* disparity_px, std::uint8_t* ma
       continue;
     }
     std::fill(disparity_px + here.begin, disparity_px + here.end, 0.0F);
+    std::fill(sigma_px + here.begin, sigma_px + here.end, 0.0F);
     std::fill(match + here.begin, match + here.end, static_cast<std::uint8_t>(Match::kIsolated));
   }
   return matched;

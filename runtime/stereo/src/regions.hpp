@@ -17,10 +17,10 @@ class SmallRegions {
 
   /// Neighbours in a row or column are of one region when their disparities differ by at most one pixel.
   ///
-  /// @param disparity_px  becomes 0 in small regions
-  /// @param match         becomes kIsolated there
-  /// @return              pixels that stay matched
-  int remove(int least_pixels, float* disparity_px, std::uint8_t* match);
+  /// @param disparity_px, sigma_px  become 0 in small regions
+  /// @param match                   becomes kIsolated there
+  /// @return                        pixels that stay matched
+  int remove(int least_pixels, float* disparity_px, float* sigma_px, std::uint8_t* match);
 
  private:
   struct Run {

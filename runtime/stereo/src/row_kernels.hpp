@@ -103,9 +103,11 @@ struct ProductCostRow {
 
 /// What is known of the best disparity of each pixel of a row.
 struct BestRow {
-  std::uint8_t* disparity = nullptr;  ///< from the pixel's first one on
-  std::uint8_t* sum = nullptr;        ///< the least
-  std::uint8_t* second = nullptr;     ///< least sum of all disparities but the best and its two neighbours
+  std::uint8_t* disparity = nullptr;   ///< from the pixel's first one on
+  std::uint8_t* sum = nullptr;         ///< the least
+  std::uint8_t* second = nullptr;      ///< least sum of all disparities but the best and its two neighbours
+  std::uint8_t* sum_before = nullptr;  ///< sum at disparity - 1, or at the disparity if it is 0
+  std::uint8_t* sum_after = nullptr;   ///< the same at disparity + 1, or at the disparity if it is the last lane
   std::uint8_t* before = nullptr;  ///< cost, before it was gathered, at disparity - 1, or at the disparity if it is 0
   std::uint8_t* cost = nullptr;    ///< the same at the disparity
   std::uint8_t* after = nullptr;   ///< the same at disparity + 1, or at the disparity if it is the last lane
@@ -122,6 +124,7 @@ struct JudgeRow {
   const std::int16_t* first = nullptr;         ///< first disparity of each pixel
   BestRow best;
   float* disparity_px = nullptr;
+  float* sigma_px = nullptr;  ///< of the disparity, 0 where there is none
   std::uint8_t* match = nullptr;
 };
 
@@ -140,6 +143,59 @@ struct PathRow {
   std::uint8_t* along = nullptr;               ///< width columns: become those to this row
   std::uint8_t* sums = nullptr;  ///< width columns for the sums of all paths, or nullptr: the best is taken
   BestRow best;
+};
+
+/// The window whose grey values refine a disparity.
+inline constexpr int kRefineRadius = 2;
+inline constexpr int kRefineSide = 2 * kRefineRadius + 1;
+using RefineRows = std::array<const float*, kRefineSide>;  ///< rows of a window
+
+/// Of a window that reaches over a step in depth: that many pixels more are counted.
+inline constexpr float kStepCount = 64.0F;
+
+/// What counts in a window: matches, and the steps in depth between them. A disparity of 0 is no match.
+struct CountRow {
+  Extent extent;
+  const float* disparity_px = nullptr;
+  const float* disparity_before_px = nullptr;  ///< of the pixel to the left
+  const float* disparity_above_px = nullptr;
+  float* count = nullptr;  ///< becomes 1 for each match, kStepCount more for each step in depth to it
+};
+
+/// Sums of kRefineSide neighbours in a row; kRefineRadius zeros lie on both sides of what is added.
+struct AcrossRow {
+  Extent extent;
+  const float* values = nullptr;
+  float* sums = nullptr;
+};
+
+/// Both images where each pixel's smoothed disparity takes it: how their grey values differ, and how they change.
+struct DifferenceRow {
+  Extent extent;
+  int width = 0;
+  float gain = 1.0F;                    ///< of the left image over the right one
+  const std::uint8_t* left = nullptr;   ///< two pixels around it may be read
+  const std::uint8_t* right = nullptr;  ///< one pixel around it may be read
+  const float* disparity_px = nullptr;  ///< as found
+  RefineRows counts{}, weighted{};      ///< sums across
+  std::int32_t* column = nullptr;       ///< becomes that of the pixel in the right image
+  std::uint32_t* four = nullptr;        ///< becomes its grey value, after that of the one before, before those of two
+  float* number = nullptr;              ///< becomes that of matches in the window, 0 where it holds a step in depth
+  float* smoothed_px = nullptr;         ///< becomes the mean disparity of the window, or what was found
+  /// Become the slope [1/px], the difference left minus right, and their products; 0 where there is no match.
+  float *slope = nullptr, *difference = nullptr;
+  float *slope2 = nullptr, *product = nullptr, *difference2 = nullptr;
+};
+
+/// The step of a disparity that makes both images most alike, and its sigma.
+struct RefineRow {
+  Extent extent;
+  float noise = 0.0F;  ///< variance of the difference of two grey values that show the same
+  const float* number = nullptr;
+  const float* smoothed_px = nullptr;
+  RefineRows slope{}, difference{}, slope2{}, product{}, difference2{};  ///< sums across
+  float* disparity_px = nullptr;                                         ///< as found, becomes refined
+  float* sigma_px = nullptr;  ///< as the paths left it, becomes that of the disparity
 };
 
 /// What a loop works on comes by value where its bytes could be taken for parts of it.
@@ -161,6 +217,10 @@ struct RowKernels {
   /// Takes the best disparity from the costs alone.
   void (*best)(const PathRow& row);
   void (*judge)(JudgeRow row);
+  void (*count)(CountRow row);
+  void (*across_window)(AcrossRow row);
+  void (*difference)(DifferenceRow row);
+  void (*refine)(RefineRow row);
 };
 
 const RowKernels& row_kernels(Simd simd);

@@ -4,6 +4,7 @@
 
 #include "cost_kernels_impl.hpp"
 #include "path_kernels_impl.hpp"
+#include "refine_kernels_impl.hpp"
 
 // The loops of row_kernels.hpp for one kind of bytes. Included once by the source file of each kind, so that each is
 // compiled for its own instructions.
@@ -68,7 +69,11 @@ struct Kernels {
                                      columns<Across, PathRow>,
                                      columns<Along, PathRow>,
                                      columns<Best, PathRow>,
-                                     judge_row};
+                                     judge_row,
+                                     count_row,
+                                     across_window_row,
+                                     difference_row,
+                                     refine_row};
 };
 
 }  // namespace

@@ -52,7 +52,8 @@ Search::Search(ImageSize size, const MatchOptions& options)
     all_costs_.resize(width * lanes_ * size.height);
     all_sums_.resize(width * lanes_ * size.height);
   }
-  for (Bytes* bytes : {&best_, &least_sum_, &second_, &before_, &cost_, &after_, &agrees_}) bytes->resize(width);
+  for (Bytes* bytes : {&best_, &least_sum_, &second_, &sum_before_, &sum_after_, &before_, &cost_, &after_, &agrees_})
+    bytes->resize(width);
   all_covered_.assign(width, 1);
   right_.resize(width);
 }
@@ -139,7 +140,7 @@ void Search::find_agreeing(Extent extent, const std::int16_t* first, const std::
 }
 
 void Search::judge_row(int v, const SearchedPair& pair, const std::uint8_t* left_covered, float* disparity_px,
-                       std::uint8_t* match) {
+                       float* sigma_px, std::uint8_t* match) {
   const std::ptrdiff_t first_pixel = static_cast<std::ptrdiff_t>(v) * size_.width;
   find_agreeing(extent(v), pair.first.row(v), pair.right_covered ? pair.right_covered + first_pixel : nullptr);
   JudgeRow row;
@@ -154,28 +155,31 @@ void Search::judge_row(int v, const SearchedPair& pair, const std::uint8_t* left
   row.first = pair.first.row(v);
   row.best = best_row();
   row.disparity_px = disparity_px + first_pixel;
+  row.sigma_px = sigma_px + first_pixel;
   row.match = match + first_pixel;
   kernels_.judge(row);
 }
 
-void Search::run(const SearchedPair& pair, const std::uint8_t* left_covered, float* disparity_px, std::uint8_t* match) {
+void Search::run(const SearchedPair& pair, const std::uint8_t* left_covered, float* disparity_px, float* sigma_px,
+                 std::uint8_t* match) {
   for (int v = 0; v < size_.height; ++v) {
     const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(v) * size_.width;
     Extent& row = extents_[static_cast<std::size_t>(v)];
     row = Extent::of(left_covered ? left_covered + first : nullptr, size_.width);
     row.fill_beyond(disparity_px + first, size_.width, 0.0F);
+    row.fill_beyond(sigma_px + first, size_.width, 0.0F);
     row.fill_beyond(match + first, size_.width, static_cast<std::uint8_t>(Match::kUncovered));
   }
   costs_->begin(pair, extents_);
   for (int v = 0; v < size_.height; ++v) {
     gather_down(pair.left, v);
-    if (options_.paths < 4) judge_row(v, pair, left_covered, disparity_px, match);
+    if (options_.paths < 4) judge_row(v, pair, left_covered, disparity_px, sigma_px, match);
   }
   if (options_.paths < 4) return;
   std::fill(from_right_.begin(), from_right_.end(), std::uint8_t{0});
   for (int v = size_.height - 1; v >= 0; --v) {
     gather_up(pair.left, v);
-    judge_row(v, pair, left_covered, disparity_px, match);
+    judge_row(v, pair, left_covered, disparity_px, sigma_px, match);
   }
 }
 

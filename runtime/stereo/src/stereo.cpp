@@ -37,7 +37,6 @@ struct StereoMatcher::Data {
   OwnImage<std::uint8_t> left, right;
   Matcher matcher;
   std::optional<DotFusion> fusion;
-  std::vector<float> match_sigma_px;  // of a row
   Cloud cloud;
   OwnImage<StereoPoint> points;
   int covered = 0;
@@ -52,13 +51,9 @@ struct StereoMatcher::Data {
         left(pair.camera.size),
         right(pair.camera.size),
         matcher(pair.camera.size, options.match),
-        match_sigma_px(static_cast<std::size_t>(pair.camera.size.width), static_cast<float>(options.match_sigma_px)),
         cloud(pair, sigma),
         points(pair.camera.size) {
-    if (options.dots) {
-      options.dots->match_sigma_px = options.match_sigma_px;
-      fusion.emplace(pair.camera.size, *options.dots);
-    }
+    if (options.dots) fusion.emplace(pair.camera.size, *options.dots);
     for (std::size_t i = 0; i < left_table.covered.size(); ++i) {
       covered += static_cast<int>(left_table.covered[i] & right_table.covered[i]);
     }
@@ -94,8 +89,7 @@ StereoFrame StereoMatcher::process(GreyView left, GreyView right, std::span<cons
       own.matcher.match(frame.left, frame.right, own.left_table.covered.data(), own.right_table.covered.data());
   if (own.fusion) frame.fused = own.fusion->fuse(frame.left, frame.disparity, dots);
   for (int v = 0; v < own.points.size.height; ++v) {
-    const float* sigma_px = own.fusion ? frame.fused.sigma_px.row(v) : own.match_sigma_px.data();
-    own.cloud.triangulate_row(v, own.left_table.extent(v), frame.disparity_px().row(v), sigma_px,
+    own.cloud.triangulate_row(v, own.left_table.extent(v), frame.disparity_px().row(v), frame.sigma_px().row(v),
                               own.points.view().row(v));
   }
   frame.points = own.points.seen();

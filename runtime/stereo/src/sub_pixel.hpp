@@ -9,8 +9,8 @@ namespace raybundle {
 
 /// Where between the neighbours of the best disparity the cost is least [px], from -0.5 to 0.5.
 ///
-/// Two lines of opposite slope through the three costs, as fits costs that count: a parabola would pull towards whole
-/// pixels by 0.1 px. What pull is left (0.03 px at most: the curve that prove_stereo prints) is added back.
+/// Two lines of opposite slope through the three costs, or sums of them, as fits costs that count: a parabola would pull
+/// towards whole pixels by 0.1 px. What pull is left (0.03 px at most: the curve that prove_stereo prints) is added back.
 inline float sub_pixel(int before, int cost, int after) {
   const int low = before - cost;
   const int high = after - cost;

@@ -25,6 +25,7 @@ constexpr double kDotSigma = 0.1;
 struct Scene {
   std::vector<std::uint8_t> grey = std::vector<std::uint8_t>(kPixels, 100);
   std::vector<float> disparity = std::vector<float>(kPixels, 0.0F);
+  std::vector<float> sigma = std::vector<float>(kPixels, 0.15F);
   std::vector<std::uint8_t> match = std::vector<std::uint8_t>(kPixels, static_cast<std::uint8_t>(Match::kFlat));
   std::vector<AnchorDot> dots;
 
@@ -41,7 +42,11 @@ struct Scene {
   FusedView fused_by(DotFusion& fusion) const {
     const auto [width, height] = kSize;
     return fusion.fuse({grey.data(), width, height, width},
-                       {{disparity.data(), width, height, width}, {match.data(), width, height, width}, 0}, dots);
+                       {{disparity.data(), width, height, width},
+                        {sigma.data(), width, height, width},
+                        {match.data(), width, height, width},
+                        0},
+                       dots);
   }
 };
 

@@ -162,6 +162,7 @@ TEST_P(EachSize, TheBestDisparityIsTheOneOfTheDefinition) {
     options.uniqueness = 0.0;
     options.left_right_px = -1;
     options.least_region_px = 0;
+    options.refine = false;
     Matcher matcher(GetParam().size, options);
     const DisparityView view = matcher.match(pair.left.view(), pair.right.view(), covered->data());
     const std::vector<int> expected = slow_disparities(pair, options, *covered);
@@ -181,6 +182,12 @@ std::vector<float> disparities_of(const Pair& pair, const MatchOptions& options,
   Matcher matcher(pair.left.size, options);
   const DisparityView view = matcher.match(pair.left.view(), pair.right.view(), covered, covered);
   return {view.disparity_px.pixels, view.disparity_px.pixels + view.disparity_px.width * view.disparity_px.height};
+}
+
+std::vector<float> sigmas_of(const Pair& pair, const MatchOptions& options) {
+  Matcher matcher(pair.left.size, options);
+  const DisparityView view = matcher.match(pair.left.view(), pair.right.view());
+  return {view.sigma_px.pixels, view.sigma_px.pixels + view.sigma_px.width * view.sigma_px.height};
 }
 
 // All costs, windows whose sums fit into bytes and such whose do not, paths and levels.
@@ -209,10 +216,12 @@ TEST_P(EachSize, AllInstructionsGiveTheSameBits) {
     SCOPED_TRACE(std::string(match_cost_name(options.cost)) + " window " + std::to_string(options.window_px));
     options.simd = Simd::kNone;
     const std::vector<float> plain = disparities_of(pair, options), round = disparities_of(pair, options, mask.data());
+    const std::vector<float> sigmas = sigmas_of(pair, options);
     if (!has(Simd::kAvx2)) continue;
     options.simd = Simd::kAvx2;
     EXPECT_EQ(plain, disparities_of(pair, options));
     EXPECT_EQ(round, disparities_of(pair, options, mask.data()));
+    EXPECT_EQ(sigmas, sigmas_of(pair, options));
   }
 }
 
@@ -265,13 +274,13 @@ Pair coarse_pair() {
 
 TEST(MatchCost, CensusDoesNotChangeWithAnyBrightnessCurve) {
   const Pair pair = coarse_pair();
-  const MatchOptions options{.disparities = 32};
+  const MatchOptions options{.disparities = 32, .refine = false};
   EXPECT_EQ(disparities_of(pair, options), disparities_of(seen_as(pair, 1.5, 20.0, 0.8), options));
 }
 
 TEST(MatchCost, ZnccDoesNotChangeWithGainAndOffset) {
   const Pair pair = coarse_pair();
-  const MatchOptions options{.disparities = 32, .cost = MatchCost::kZncc};
+  const MatchOptions options{.disparities = 32, .cost = MatchCost::kZncc, .refine = false};
   // A factor of two: then floats round the same way.
   EXPECT_EQ(disparities_of(pair, options), disparities_of(seen_as(pair, 2.0, 5.0, 1.0), options));
 }

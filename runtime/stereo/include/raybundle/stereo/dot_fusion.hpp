@@ -38,7 +38,6 @@ struct DotFusionOptions {
   double bend = 0.0005;            ///< standard deviation of a surface's second derivative [1/px]
   double gate_sigmas = 3.0;        ///< dots that disagree more are not of one surface
   double contradict_sigmas = 6.0;  ///< a match that disagrees more with the dot that lies on it is taken out
-  double match_sigma_px = 0.15;    ///< of a matched disparity
   int most_dots = 1024;            ///< what there is memory for; dots beyond it are left out
 };
 

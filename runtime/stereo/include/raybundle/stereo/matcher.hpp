@@ -14,6 +14,7 @@ namespace raybundle {
 
 struct DisparityView {
   ImageView<const float> disparity_px;  ///< 0 where there is no match
+  ImageView<const float> sigma_px;      ///< standard deviation of a match that is right, 0 where there is none
   ImageView<const std::uint8_t> match;  ///< Match of each pixel
   int matched = 0;                      ///< pixels that are matched
 };

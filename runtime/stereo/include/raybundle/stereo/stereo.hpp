@@ -28,9 +28,8 @@ struct StereoPoint {
 struct StereoOptions {
   RectifyOptions rectify;
   MatchOptions match;
-  double match_sigma_px = 0.15;          ///< of a matched disparity
   double least_matched = 0.05;           ///< share of the covered pixels below which a frame is degraded
-  std::optional<DotFusionOptions> dots;  ///< set: laser dots may be given; its match_sigma_px is that above
+  std::optional<DotFusionOptions> dots;  ///< set: laser dots may be given
 };
 
 /// What one pair of images gave. The views belong to the matcher and hold until its next call.
@@ -45,6 +44,9 @@ struct StereoFrame {
   /// What the points were made of: fused, or the matcher's.
   ImageView<const float> disparity_px() const {
     return fused.disparity_px.pixels != nullptr ? fused.disparity_px : disparity.disparity_px;
+  }
+  ImageView<const float> sigma_px() const {
+    return fused.sigma_px.pixels != nullptr ? fused.sigma_px : disparity.sigma_px;
   }
 };
 

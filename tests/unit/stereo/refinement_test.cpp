@@ -1,0 +1,128 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+// Disparities between whole pixels, and what is said of their errors, on images as cameras take them: blurred edges
+// between faces that have hardly any texture, another gain and offset of the right camera, and noise.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/quantile.hpp"
+#include "raybundle/stereo/matcher.hpp"
+
+namespace raybundle {
+namespace {
+
+constexpr int kWidth = 240, kHeight = 120, kTile = 16, kDisparities = 32;
+
+// Tiles of random grey, leaning, and a faint texture over them; blurred by 0.7 px.
+class Mosaic {
+ public:
+  explicit Mosaic(unsigned seed) : greys_(64 * 64), grain_(1024 * 256) {
+    std::mt19937 random(seed);
+    std::normal_distribution<float> normal;
+    for (float& grey : greys_) grey = 40.0F + static_cast<float>(random() % 170);
+    for (float& grain : grain_) grain = 4.0F * normal(random);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < kernel_.size(); ++i) {
+      const double x = kStep * (static_cast<double>(i) - kReach);
+      sum += kernel_[i] = std::exp(-x * x / (2 * 0.7 * 0.7));
+    }
+    for (double& weight : kernel_) weight /= sum;
+  }
+  double grey(double u, double v) const {
+    double sum = 0.0;
+    for (std::size_t j = 0; j < kernel_.size(); ++j) {
+      for (std::size_t i = 0; i < kernel_.size(); ++i) {
+        const double x = kStep * (static_cast<double>(i) - kReach), y = kStep * (static_cast<double>(j) - kReach);
+        sum += kernel_[i] * kernel_[j] * sharp(u + x, v + y);
+      }
+    }
+    return sum;
+  }
+
+ private:
+  double sharp(double u, double v) const {
+    const auto at = [](double value, double step) { return static_cast<unsigned>(std::floor(value / step) + 1024); };
+    const unsigned tile = at(v - 0.2 * u, kTile) % 64 * 64 + at(u + 0.3 * v, kTile) % 64;
+    return greys_[tile] + grain_[at(v, 2.0) % 256 * 1024 + at(u, 2.0) % 1024];
+  }
+  static constexpr double kStep = 0.2;
+  static constexpr int kReach = 9;
+  std::vector<float> greys_, grain_;
+  std::array<double, 2 * kReach + 1> kernel_{};
+};
+
+double truth_px(int u, int v) { return 12.0 + 0.015 * (u - 120) + 0.01 * (v - 60); }
+
+struct Found {
+  std::vector<double> errors_px, in_sigmas, sure_errors_px;
+  double at_half = 0.0;  // share of all
+};
+
+Found found(double gain, double offset, double noise_grey) {
+  const Mosaic mosaic(3);
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal;
+  const auto byte = [&](double grey) {
+    return static_cast<std::uint8_t>(std::clamp(std::lround(grey + noise_grey * normal(random)), 0L, 255L));
+  };
+  std::vector<std::uint8_t> left, right;
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      left.push_back(byte(mosaic.grey(u - truth_px(u, v), v)));
+      right.push_back(byte(gain * mosaic.grey(u, v) + offset));
+    }
+  }
+  Matcher matcher({kWidth, kHeight}, {.disparities = kDisparities, .noise_grey = noise_grey});
+  const DisparityView view =
+      matcher.match({left.data(), kWidth, kHeight, kWidth}, {right.data(), kWidth, kHeight, kWidth});
+  Found found;
+  for (int v = 4; v < kHeight - 4; ++v) {
+    for (int u = kDisparities; u < kWidth - 4; ++u) {
+      const double disparity = view.disparity_px.at(u, v), sigma = view.sigma_px.at(u, v);
+      EXPECT_EQ(disparity > 0, sigma > 0);
+      if (!(disparity > 0)) continue;
+      const double error = disparity - truth_px(u, v);
+      found.errors_px.push_back(error);
+      found.in_sigmas.push_back(error / sigma);
+      if (sigma < 0.15) found.sure_errors_px.push_back(error);
+      found.at_half += disparity - std::floor(disparity) == 0.5;
+    }
+  }
+  found.at_half /= static_cast<double>(found.errors_px.size());
+  return found;
+}
+
+// 1.4826 times the median of what is left of the sign: the standard deviation of Gaussian values about 0.
+double spread(std::vector<double> values) {
+  for (double& value : values) value = std::abs(value);
+  return 1.4826 * median(values);
+}
+
+struct Seen {
+  double gain, offset, noise_grey;
+};
+struct Refinement : testing::TestWithParam<Seen> {};
+
+TEST_P(Refinement, DisparitiesLieWhereTheyAreAndSigmaSaysHowWell) {
+  const Found result = found(GetParam().gain, GetParam().offset, GetParam().noise_grey);
+  ASSERT_GT(result.errors_px.size(), kWidth * kHeight / 2);
+  EXPECT_LT(result.at_half, 0.02);
+  EXPECT_GT(spread(result.in_sigmas), 0.6);
+  EXPECT_LT(spread(result.in_sigmas), 1.5);
+  ASSERT_GT(result.sure_errors_px.size(), result.errors_px.size() / 20);
+  EXPECT_LT(spread(result.sure_errors_px), 0.15);
+}
+
+INSTANTIATE_TEST_SUITE_P(Cameras, Refinement,
+                         testing::Values(Seen{1.0, 0.0, 1.0}, Seen{0.85, 12.0, 1.0}, Seen{1.0, 0.0, 3.0}));
+
+TEST(RefinementOptions, NoiseIsAboveZero) { EXPECT_THROW(Matcher({64, 64}, {.noise_grey = 0.0}), Error); }
+
+}  // namespace
+}  // namespace raybundle
