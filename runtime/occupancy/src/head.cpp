@@ -55,7 +55,7 @@ BallCount count_ball(const Scan& scan, const Eigen::Vector3d& centre, double rad
     if (share2 < kInside2) {
       const double off = range - (nearest - radius_m * std::sqrt(1.0 - share2));
       ++count.through;
-      count.on += std::abs(off) < 0.02 + 2.0 * scan.points[i].sigma_m;
+      count.on += std::abs(off) < 0.02 + 2.0 * scan.points[i].gate_sigma_m();
     } else if (share2 > kOutside2 && nearest / range * to_point.z() - to_centre.z() > -0.3 * radius_m) {
       ++count.beside;
       count.clear += range > nearest + 0.5 * radius_m;

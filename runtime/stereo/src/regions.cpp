@@ -8,7 +8,7 @@
 namespace raybundle {
 
 namespace {
-constexpr float kSmooth = 1.0F;  // [px] between neighbours
+constexpr float kSmooth = 0.7F;  // [px] between neighbours: fractions of one surface scatter by less
 constexpr auto kMatched = static_cast<std::uint8_t>(Match::kMatched);
 }  // namespace
 

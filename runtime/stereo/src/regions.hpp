@@ -15,7 +15,7 @@ class SmallRegions {
  public:
   explicit SmallRegions(ImageSize size);
 
-  /// Neighbours in a row or column are of one region when their disparities differ by at most one pixel.
+  /// Neighbours in a row or column are of one region when their disparities differ by at most 0.7 px.
   ///
   /// @param disparity_px, sigma_px  become 0 in small regions
   /// @param match                   becomes kIsolated there

@@ -22,7 +22,7 @@ struct HeadOptions {
   Eigen::Vector3d centre_from_hair_m = {0.004, 0.0, -0.003};
   double hair_sigma_m = 0.006;   ///< of the centre: how hair lies is not known
   double shape_sigma_m = 0.006;  ///< of faces and hair from the ellipsoid
-  double curved_sigmas = 2.0;    ///< depths scatter on heads by so many of their sigmas, which are those of planes
+  double curved_sigmas = 1.0;    ///< depths scatter on heads by so many of their sigmas
   double alike_m = 0.03;         ///< places on a head that are so near err alike: a matcher's window, a lock of hair
   double least_above_bight_m = 0.40;  ///< of the centre; lower are knees, fists and bags
 
