@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 
+#include "capped_scan.hpp"
 #include "head_fit.hpp"
 
 namespace raybundle {
@@ -55,7 +56,7 @@ BallCount count_ball(const Scan& scan, const Eigen::Vector3d& centre, double rad
     if (share2 < kInside2) {
       const double off = range - (nearest - radius_m * std::sqrt(1.0 - share2));
       ++count.through;
-      count.on += std::abs(off) < 0.02 + 2.0 * scan.points[i].gate_sigma_m();
+      count.on += std::abs(off) < 0.02 + 2.0 * scan.points[i].sigma_m;
     } else if (share2 > kOutside2 && nearest / range * to_point.z() - to_centre.z() > -0.3 * radius_m) {
       ++count.beside;
       count.clear += range > nearest + 0.5 * radius_m;
@@ -97,7 +98,9 @@ std::array<Candidate, kCandidates> candidates(const VehicleLayout& layout, const
 
 }  // namespace
 
-Head find_head(const VehicleLayout& layout, const SeatPose& seat, const Scan& scan, const HeadOptions& options) {
+Head find_head(const VehicleLayout& layout, const SeatPose& seat, const Scan& seen, const HeadOptions& options) {
+  const CappedScan capped(seen);
+  const Scan& scan = capped.scan();
   Head best;
   for (const Candidate& candidate : candidates(layout, seat, scan, options)) {
     if (candidate.score < 0.0) break;

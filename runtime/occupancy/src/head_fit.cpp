@@ -67,7 +67,7 @@ class Sums {
     const Distance distance = distance_of(passes ? past : place);
     const double facing = (point.x_in_vehicle - eye_).dot(distance.row.head<3>()) / range;
     if (facing < (outline > 1.0 ? -kGrazing : 0.0)) return;  // its far side
-    const double depth_m = passes ? 0.0 : options_.curved_sigmas * point.gate_sigma_m() * facing;
+    const double depth_m = passes ? 0.0 : options_.curved_sigmas * point.sigma_m * facing;
     const double variance = depth_m * depth_m + options_.shape_sigma_m * options_.shape_sigma_m;
     const double share2 = distance.m * distance.m / (cut * cut * variance);
     if (share2 >= 1.0) return;

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capped_scan.hpp"
+
 namespace raybundle {
 namespace {
 
@@ -42,7 +44,7 @@ Line grown(const Scan& scan, const Eigen::Vector2d& start, const Eigen::Vector2d
     if (std::abs(point.x_in_vehicle.y()) > half_width_m) continue;
     const Eigen::Vector2d off(point.x_in_vehicle.x() - start.x(), point.x_in_vehicle.z() - start.y());
     const double at = off.dot(along), distance = off.dot(across);
-    const double bound = std::hypot(tolerance_m, 2.0 * point.gate_sigma_m());
+    const double bound = std::hypot(tolerance_m, 2.0 * point.sigma_m);
     if (at < reach.from_m || at > reach.to_m || std::abs(distance) > bound) continue;
     const double share = distance / bound, in = 1 - share * share;
     const double weight = in * in / (kShape_m * kShape_m + point.sigma_m * point.sigma_m);  // Tukey's biweight
@@ -126,14 +128,16 @@ double hidden_share(const SeatPose& pose, const Scan& scan, const SeatFitOptions
     if (along > kCushion.to_m || up > kBack.to_m) continue;
     ++all;
     on_it += std::min(pose.above_cushion(point.x_in_vehicle), pose.before_back(point.x_in_vehicle)) >
-             options.occupied_m + 2.0 * point.gate_sigma_m();
+             options.occupied_m + 2.0 * point.sigma_m;
   }
   return all == 0 ? 0.0 : static_cast<double>(on_it) / all;
 }
 
 }  // namespace
 
-SeatFit fit_seat(const VehicleLayout& layout, const Scan& scan, const SeatFitOptions& options) {
+SeatFit fit_seat(const VehicleLayout& layout, const Scan& seen, const SeatFitOptions& options) {
+  const CappedScan capped(seen);
+  const Scan& scan = capped.scan();
   SeatFit best;
   for (int i = -2; i <= 2; ++i) {
     for (int j = 0; j < 4; ++j) {

@@ -13,10 +13,10 @@
 namespace raybundle {
 namespace {
 
-constexpr float kStepPx = 1.5F;             // between neighbours: more is a step in depth
-constexpr float kMostShiftPx = 1.0F;        // as far as a slope tells
-constexpr float kLeastSigmaPx = 0.05F;      // what interpolation leaves in images without noise (prove_stereo)
-constexpr float kLeastDisparityPx = 0.25F;  // what is matched stays before infinity
+constexpr float kStep_px = 1.5F;             // between neighbours: more is a step in depth
+constexpr float kMostShift_px = 1.0F;        // as far as a slope tells
+constexpr float kLeastSigma_px = 0.05F;      // what interpolation leaves in images without noise (prove_stereo)
+constexpr float kLeastDisparity_px = 0.25F;  // what is matched stays before infinity
 
 inline float over_window(const RefineRows& rows, int x) {
   float sum = 0.0F;
@@ -28,8 +28,8 @@ inline void count_row(CountRow row) {
 #pragma GCC ivdep
   for (int x = row.extent.begin; x < row.extent.end; ++x) {
     const float here = row.disparity_px[x], before = row.disparity_before_px[x], above = row.disparity_above_px[x];
-    const float from_before = std::min(before, std::abs(here - before)) > kStepPx ? kStepCount : 0.0F;
-    const float from_above = std::min(above, std::abs(here - above)) > kStepPx ? kStepCount : 0.0F;
+    const float from_before = std::min(before, std::abs(here - before)) > kStep_px ? kStepCount : 0.0F;
+    const float from_above = std::min(above, std::abs(here - above)) > kStep_px ? kStepCount : 0.0F;
     const float match = here > 0.0F ? 1.0F : 0.0F;
     row.count[x] = match * (1.0F + from_before + from_above);
   }
@@ -95,7 +95,7 @@ inline void refine_row(RefineRow row) {
     const float product = over_window(row.product, x) - slope * difference * per;
     const float difference2 = over_window(row.difference2, x) - difference * difference * per;
     const float full = -product / std::max(slope2, 1e-3F);
-    const float shift = std::min(std::max(full, -kMostShiftPx), kMostShiftPx);
+    const float shift = std::min(std::max(full, -kMostShift_px), kMostShift_px);
     const float rest = difference2 + shift * (2.0F * product + shift * slope2);
     const float variance = std::max(rest * per * (kPixels / (kPixels - 2.0F)), row.noise / 16.0F);
     // What is more than noise is common to the window: unequal blur, brightness or shape. Its pixels do not average.
@@ -107,9 +107,9 @@ inline void refine_row(RefineRow row) {
     const float before = row.sigma_px[x] * row.sigma_px[x];
     const float both = 1.0F / (before * told + common);
     const float disparity = row.smoothed_px[x] + before * told * both * shift;
-    const float sigma2 = std::max(before * common * both, kLeastSigmaPx * kLeastSigmaPx);
+    const float sigma2 = std::max(before * common * both, kLeastSigma_px * kLeastSigma_px);
     const bool tells = (row.disparity_px[x] > 0.0F) & (number >= 0.5F * kPixels);
-    row.disparity_px[x] = tells ? std::max(disparity, kLeastDisparityPx) : row.disparity_px[x];
+    row.disparity_px[x] = tells ? std::max(disparity, kLeastDisparity_px) : row.disparity_px[x];
     row.sigma_px[x] = tells ? std::sqrt(sigma2) : row.sigma_px[x];
   }
 }

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <span>
 
 #include "raybundle/device/state.hpp"
@@ -15,9 +14,6 @@ struct ScenePoint {
   int ray = 0;                                             ///< of the beam or pixel, the same in every frame
   Eigen::Vector3d x_in_vehicle = Eigen::Vector3d::Zero();  ///< [m]
   double sigma_m = 0.0;                                    ///< standard deviation along the ray
-
-  /// Sigma for bounds within which a point is taken to lie on a surface: what is less sure would lie on any.
-  double gate_sigma_m() const { return std::min(sigma_m, 0.01); }
 };
 
 /// What a sensor measured in one frame. All rays leave from one viewpoint: the emitter's exit, or the left camera.
