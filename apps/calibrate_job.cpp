@@ -14,7 +14,6 @@
 #include <utility>
 
 #include "calibration_summary.hpp"
-#include "data_warnings.hpp"
 #include "judgement.hpp"
 #include "output_folder.hpp"
 #include "predicted_corners.hpp"
@@ -275,7 +274,6 @@ void run_calibration(const CalibrateJob& job) {
     if (refined) result = calibrate(problem, options);
   }
   result.stages = stages_of(images.seconds, first, result, now() - refine_begin, refined);
-  for (const std::string& warning : data_warnings(problem, result)) result.warnings.push_back(warning);
 
   const double check_begin = now();
   const CheckFindings checked = run_extra_checks(job.checks, problem, result, options);

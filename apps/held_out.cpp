@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "data_warnings.hpp"
+#include "raybundle/calibrate/data_warnings.hpp"
 #include "raybundle/geometry/error.hpp"
 
 namespace raybundle::apps {

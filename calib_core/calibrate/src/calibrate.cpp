@@ -17,6 +17,7 @@
 #include "joint_solve.hpp"
 #include "prior_weight.hpp"
 #include "raybundle/bundle/parameters.hpp"
+#include "raybundle/calibrate/data_warnings.hpp"
 #include "raybundle/calibrate/lens_domain.hpp"
 #include "raybundle/calibrate/lens_prior.hpp"
 #include "raybundle/camera/injectivity.hpp"
@@ -304,15 +305,11 @@ CalibrationResult calibrate_as_weighed(const CalibrationProblem& problem, const 
   }
 }
 
-}  // namespace
-
-CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOptions& options) {
-  check(problem);
-  parameter_blocks(problem);  // refuses rules that match nothing
+// A prior counts against corners by what they are off by, not by what a detector says; and that is known only after
+// a solve. The least noise counts: where a prior pulls too hard there is more.
+CalibrationResult calibrate_weighing_priors(const CalibrationProblem& problem, const CalibrateOptions& options) {
   CalibrationResult result = calibrate_as_weighed(problem, options);
   if (!has_priors(problem)) return result;
-  // A prior counts against corners by what they are off by, not by what a detector says; and that is known only now.
-  // The least noise counts: where a prior pulls too hard there is more.
   constexpr int kMostWeighings = 4;
   constexpr double kSettled = 0.98;
   double noise = 1.0;
@@ -324,6 +321,16 @@ CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOp
     result = calibrate_as_weighed(with_priors_for(problem, noise), options);
     result.stages.insert(result.stages.begin(), stages.begin(), stages.end());
   }
+  return result;
+}
+
+}  // namespace
+
+CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOptions& options) {
+  check(problem);
+  parameter_blocks(problem);  // refuses rules that match nothing
+  CalibrationResult result = calibrate_weighing_priors(problem, options);
+  std::ranges::move(data_warnings(problem, result), std::back_inserter(result.warnings));
   return result;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Raybundle authors
 // SPDX-License-Identifier: Apache-2.0
-#include "data_warnings.hpp"
+#include "raybundle/calibrate/data_warnings.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -15,7 +15,7 @@
 
 #include "raybundle/uncertainty/frame_covariance.hpp"
 
-namespace raybundle::apps {
+namespace raybundle {
 namespace {
 
 constexpr double kWidestSpacing_m = 1.0;      // boards are carried by hand
@@ -42,8 +42,10 @@ double spacing_m(const Target& target) {
 bool same_image(const TargetView& a, const TargetView& b) {
   using Corner = std::tuple<int, double, double>;
   const auto corners_of = [](const TargetView& view) {
-    std::set<Corner> corners;
-    for (const Observation& seen : view.observations) corners.emplace(seen.point_id, seen.pixel.x(), seen.pixel.y());
+    std::vector<Corner> corners;
+    for (const Observation& seen : view.observations)
+      corners.emplace_back(seen.point_id, seen.pixel.x(), seen.pixel.y());
+    if (!std::ranges::is_sorted(corners)) std::ranges::sort(corners);
     return corners;
   };
   std::vector<Corner> same;
@@ -223,4 +225,4 @@ std::vector<std::string> data_warnings(const CalibrationProblem& problem, const 
   return warnings;
 }
 
-}  // namespace raybundle::apps
+}  // namespace raybundle

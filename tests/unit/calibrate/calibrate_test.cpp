@@ -365,5 +365,14 @@ TEST(Calibrate, FrameOutOfEachOthersSightDoesNotCostTheRest) {
   EXPECT_LT((found - world.camera_from_rig[1].translation).norm(), 1e-3);  // its sigma is some 0.1 mm
 }
 
+// Not only the program: whoever calls calibrate() is told.
+TEST(Calibrate, WarnsOfFewViews) {
+  SyntheticOptions few = stereo(3), enough = stereo(3);
+  few.frames = 9;
+  using ::testing::Contains, ::testing::HasSubstr, ::testing::Not;
+  EXPECT_THAT(calibrate(synthetic_world(few).problem).warnings, Contains(HasSubstr("9 views only, too few")).Times(2));
+  EXPECT_THAT(calibrate(synthetic_world(enough).problem).warnings, Not(Contains(HasSubstr("too few"))));
+}
+
 }  // namespace
 }  // namespace raybundle
