@@ -1,120 +1,18 @@
 // SPDX-FileCopyrightText: The Raybundle authors
 // SPDX-License-Identifier: Apache-2.0
-// Stereo through the program on real pairs: rows of boards that the calibration has not seen, and the files of
-// `reconstruct stereo`.
+// The files of `reconstruct stereo`, and what it says of its input.
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <iostream>
-#include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
-#include <set>
 
 #include "browser.hpp"
 #include "program.hpp"
-#include "raybundle/geometry/quantile.hpp"
-#include "raybundle/io/calibration_file.hpp"
-#include "raybundle/io/observations_file.hpp"
-#include "raybundle/stereo/rectification.hpp"
 
 namespace raybundle::testing {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct RealPairs {
-  std::string folder, target, model, images, some;  // `some`: of the images, those that calibrate
-  double most_px = 0.1;
-};
-void PrintTo(const RealPairs& pairs, std::ostream* out) { *out << pairs.folder; }
-
-// Differences of the rows of each corner in both rectified images, by frame, without the frames that calibrated.
-std::map<int, std::vector<double>> row_differences(const Rectification& pair, const Calibration& calibration,
-                                                   const CalibrationProblem& problem,
-                                                   const std::set<std::string>& seen) {
-  std::map<std::pair<int, int>, std::map<int, double>> rows;  // by frame and point, by camera
-  for (const TargetView& view : problem.views) {
-    if (seen.contains(problem.frames[static_cast<std::size_t>(view.frame)])) continue;
-    const auto& camera = calibration.cameras[static_cast<std::size_t>(view.camera)].camera;
-    const auto& rotation = view.camera == 0 ? pair.rectified_from_left : pair.rectified_from_right;
-    for (const Observation& corner : view.observations) {
-      const auto ray = ray_from_pixel(camera, corner.pixel);
-      if (!ray) continue;
-      const auto pixel = pair.camera.pixel_from_ray(rotation * *ray);
-      if (pixel) rows[{view.frame, corner.point_id}][view.camera] = pixel->y();
-    }
-  }
-  std::map<int, std::vector<double>> differences;
-  for (const auto& [corner, row] : rows) {
-    if (row.size() == 2) differences[corner.first].push_back(row.at(0) - row.at(1));
-  }
-  return differences;
-}
-
-// Frames whose board has one pose for both cameras: it did not move between the exposures
-// (docs/decisions/0003-ties.md).
-std::set<std::string> tied_frames(const nlohmann::json& report) {
-  std::map<std::string, int> poses;
-  for (const nlohmann::json& pose : report.at("poses")) ++poses[pose.at("frame").get<std::string>()];
-  std::set<std::string> tied;
-  for (const auto& [frame, count] : poses) {
-    if (count == 1) tied.insert(frame);
-  }
-  return tied;
-}
-
-struct RealStereo : ::testing::TestWithParam<RealPairs> {};
-
-TEST_P(RealStereo, RowsOfBoardsThatTheCalibrationHasNotSeenAgree) {
-  const RealPairs& pairs = GetParam();
-  RAYBUNDLE_NEEDS_DATA(pairs.folder);
-  const fs::path folder = fresh_folder();
-  const std::string images = (real_data(pairs.folder)).string() + "/";
-  const auto cameras = [&](const std::string& pattern) {
-    return std::vector<std::string>{"--target", pairs.target,
-                                    "--camera", "left=" + images + "left" + pattern,
-                                    "--camera", "right=" + images + "right" + pattern};
-  };
-  const auto calibrated_with = [&](const std::string& pattern) {
-    std::vector<std::string> flags = cameras(pattern);
-    flags.insert(flags.end(), {"--model", pairs.model});
-    return calibrate(folder, flags);
-  };
-  const std::set<std::string> tied = tied_frames(calibrated_with(pairs.images));
-  const nlohmann::json report = calibrated_with(pairs.some);
-  detect(folder, cameras(pairs.images));
-  const Calibration calibration = read_calibration(folder / "out" / "calibration.json").calibration;
-  const CalibrationProblem problem = read_observations(folder / "observations.json").problem;
-  std::set<std::string> seen;
-  for (const auto& [camera, frames] : corners_by_frame(report)) {
-    for (const auto& [frame, corners] : frames) seen.insert(frame);
-  }
-
-  const Rectification pair = rectify(calibration.cameras.at(0), calibration.cameras.at(1));
-  std::vector<double> of_tied, of_others;  // mean difference of each frame
-  for (const auto& [frame, differences] : row_differences(pair, calibration, problem, seen)) {
-    double mean = 0.0;
-    for (const double difference : differences) mean += difference / static_cast<double>(differences.size());
-    (tied.contains(problem.frames[static_cast<std::size_t>(frame)]) ? of_tied : of_others).push_back(std::abs(mean));
-  }
-  ASSERT_GE(of_tied.size(), 3U);
-  const std::size_t tied_count = of_tied.size();
-  const double tied_px = median(of_tied);
-  std::cout << pairs.folder << ": rows of held-out boards differ by " << tied_px << " px in " << tied_count
-            << " frames that are tied";
-  if (!of_others.empty()) std::cout << ", by " << median(of_others) << " px where the board moved";
-  std::cout << std::endl;
-  EXPECT_LT(tied_px, pairs.most_px);
-}
-
-INSTANTIATE_TEST_SUITE_P(Data, RealStereo,
-                         ::testing::Values(RealPairs{"boofcv_stereo/Bumblebee2_Chess", "chessboard:6x4:30mm",
-                                                     "brown_conrady", "*.jpg", "0[1-6].jpg"},
-                                           RealPairs{"opencv_stereo_chess", "chessboard:9x6:25mm", "brown_conrady",
-                                                     "[0-9][0-9].jpg", "0[1-7].jpg"},
-                                           RealPairs{"sourishg_fisheye_stereo/imgs", "chessboard:9x6:24.23mm",
-                                                     "kannala_brandt", "*.jpg", "[12][13457].jpg"}));
 
 TEST(ReconstructStereo, WritesWhatItSaysForARealFisheyePair) {
   RAYBUNDLE_NEEDS_DATA("sourishg_fisheye_stereo/imgs");
