@@ -132,6 +132,7 @@ void run(const ValidateFlags& flags) {
   CalibrateOptions options;
   options.threads = dataset.options.threads;
   options.estimate_shape = false;
+  options.tie_sigma = 5.0;  // more than while calibrating: the error of the calibration adds to that of the frame
   const CalibrationResult result = calibrate(problem, options);
 
   std::vector<CameraVerdict> verdicts;

@@ -15,7 +15,7 @@ struct CalibrateOptions {
   bool estimate_shape = true;       ///< bend and twist of the boards, where the data can carry it
   double robust_scale_sigma = 3.0;  ///< Cauchy loss of the first solve, in robust sigmas of the residuals
   double outlier_sigma = 5.0;       ///< corners beyond this many robust sigmas are removed, by id
-  double tie_sigma = 5.0;           ///< [noise sigmas] by which a frame may fit worse tied than apart
+  double tie_sigma = 3.0;           ///< [noise sigmas] by which a frame may fit worse tied than apart
   int max_iterations = 500;
   int threads = 2;
 
