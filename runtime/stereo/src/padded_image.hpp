@@ -10,6 +10,7 @@
 #include "byte_lanes.hpp"
 #include "raybundle/camera/camera.hpp"
 #include "raybundle/device/image_view.hpp"
+#include "raybundle/stereo/extent.hpp"
 
 namespace raybundle {
 
@@ -41,6 +42,14 @@ class PaddedImage {
       std::fill_n(to - rim_, rim_, to[0]);
       std::fill_n(to + size_.width, rim_, to[size_.width - 1]);
     }
+  }
+
+  /// Repeats the outermost covered pixels of a row beyond them: what is not covered is black, and no edge of the scene.
+  void repeat_beyond(int v, Extent covered) {
+    if (covered.begin >= covered.end) return;
+    std::uint8_t* to = pixels_.data() + (v + rim_) * stride_ + rim_;
+    std::fill(to - rim_, to + covered.begin, to[covered.begin]);
+    std::fill(to + covered.end, to + size_.width + rim_, to[covered.end - 1]);
   }
 
  private:

@@ -82,7 +82,8 @@ void PyramidLevel::search(GreyView left, GreyView right, const std::uint8_t* lef
   const ImageView<const std::int16_t> first{first_.data(), size_.width, size_.height, size_.width};
   search_.run({left, right, right_covered, first}, left_covered, disparity_px_.data(), sigma_px_.data(), match_.data());
   matched_ = regions_.remove(options_.least_region_px, disparity_px_.data(), sigma_px_.data(), match_.data());
-  if (refinement_) refinement_->run(left, right, search_.extents(), disparity_px_.data(), sigma_px_.data());
+  if (refinement_)
+    refinement_->run(left, right, search_.extents(), right_covered, disparity_px_.data(), sigma_px_.data());
 }
 
 void PyramidLevel::search_around(const PyramidLevel& coarser) {

@@ -27,7 +27,7 @@ struct Spread {
 
 Refinement::Refinement(ImageSize size, double noise_grey, const RowKernels& kernels)
     : size_(size),
-      noise_(static_cast<float>(2 * noise_grey * noise_grey)),
+      noise_(static_cast<float>(noise_grey * noise_grey)),
       kernels_(kernels),
       left_(size, 2),
       right_(size, 1),
@@ -94,6 +94,7 @@ void Refinement::differ(int v, float gain, const float* disparity_px) {
   row.extent = extent(v);
   row.width = size_.width;
   row.gain = gain;
+  row.noise = noise_;
   row.left = left_.row(v);
   row.right = right_.row(v);
   row.disparity_px = disparity_px + first(v);
@@ -112,9 +113,10 @@ void Refinement::differ(int v, float gain, const float* disparity_px) {
   for (Sum* sum : {&slope_, &difference_, &slope2_, &product_, &difference2_}) add_across(*sum, v);
 }
 
-void Refinement::refine(int v, float* disparity_px, float* sigma_px) {
+void Refinement::refine(int v, float gain, float* disparity_px, float* sigma_px) {
   RefineRow row;
   row.extent = extent(v);
+  row.gain = gain;
   row.noise = noise_;
   row.number = number_.row(v);
   row.smoothed_px = smoothed_px_.row(v);
@@ -129,17 +131,21 @@ void Refinement::refine(int v, float* disparity_px, float* sigma_px) {
 }
 
 // Each stage needs the rows of a window of the one before: they follow each other at that distance.
-void Refinement::run(GreyView left, GreyView right, std::span<const Extent> extents, float* disparity_px,
-                     float* sigma_px) {
+void Refinement::run(GreyView left, GreyView right, std::span<const Extent> extents, const std::uint8_t* right_covered,
+                     float* disparity_px, float* sigma_px) {
   extents_ = extents;
   left_.fill(left, false);
   right_.fill(right, false);
+  for (int v = 0; v < size_.height; ++v) {
+    left_.repeat_beyond(v, extent(v));
+    right_.repeat_beyond(v, Extent::of(right_covered != nullptr ? right_covered + first(v) : nullptr, size_.width));
+  }
   const float of_left = gain(left, right, disparity_px);
   for (int v = 0; v < size_.height + 2 * kRefineRadius; ++v) {
     if (v < size_.height) count(v, disparity_px);
     const int differing = v - kRefineRadius, refined = differing - kRefineRadius;
     if (differing >= 0 && differing < size_.height) differ(differing, of_left, disparity_px);
-    if (refined >= 0) refine(refined, disparity_px, sigma_px);
+    if (refined >= 0) refine(refined, of_left, disparity_px, sigma_px);
   }
 }
 

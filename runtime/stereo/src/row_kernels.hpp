@@ -174,14 +174,15 @@ struct DifferenceRow {
   Extent extent;
   int width = 0;
   float gain = 1.0F;                    ///< of the left image over the right one
+  float noise = 0.0F;                   ///< variance of a grey value
   const std::uint8_t* left = nullptr;   ///< two pixels around it may be read
   const std::uint8_t* right = nullptr;  ///< one pixel around it may be read
   const float* disparity_px = nullptr;  ///< as found
   RefineRows counts{}, weighted{};      ///< sums across
   std::int32_t* column = nullptr;       ///< becomes that of the pixel in the right image
   std::uint32_t* four = nullptr;        ///< becomes its grey value, after that of the one before, before those of two
-  float* number = nullptr;              ///< becomes that of matches in the window, 0 where it holds a step in depth
-  float* smoothed_px = nullptr;         ///< becomes the mean disparity of the window, or what was found
+  float* number = nullptr;       ///< becomes that of matches in the window, 0 where it reaches over a step in depth
+  float* smoothed_px = nullptr;  ///< becomes the mean disparity of the window, or what was found
   /// Become the slope [1/px], the difference left minus right, and their products; 0 where there is no match.
   float *slope = nullptr, *difference = nullptr;
   float *slope2 = nullptr, *product = nullptr, *difference2 = nullptr;
@@ -190,7 +191,8 @@ struct DifferenceRow {
 /// The step of a disparity that makes both images most alike, and its sigma.
 struct RefineRow {
   Extent extent;
-  float noise = 0.0F;  ///< variance of the difference of two grey values that show the same
+  float gain = 1.0F;   ///< of the left image over the right one
+  float noise = 0.0F;  ///< variance of a grey value
   const float* number = nullptr;
   const float* smoothed_px = nullptr;
   RefineRows slope{}, difference{}, slope2{}, product{}, difference2{};  ///< sums across

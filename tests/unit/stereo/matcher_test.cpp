@@ -184,9 +184,9 @@ std::vector<float> disparities_of(const Pair& pair, const MatchOptions& options,
   return {view.disparity_px.pixels, view.disparity_px.pixels + view.disparity_px.width * view.disparity_px.height};
 }
 
-std::vector<float> sigmas_of(const Pair& pair, const MatchOptions& options) {
+std::vector<float> sigmas_of(const Pair& pair, const MatchOptions& options, const std::uint8_t* covered = nullptr) {
   Matcher matcher(pair.left.size, options);
-  const DisparityView view = matcher.match(pair.left.view(), pair.right.view());
+  const DisparityView view = matcher.match(pair.left.view(), pair.right.view(), covered, covered);
   return {view.sigma_px.pixels, view.sigma_px.pixels + view.sigma_px.width * view.sigma_px.height};
 }
 
@@ -236,6 +236,8 @@ TEST_P(EachSize, TheSecondCallKnowsNothingOfTheFirst) {
       const DisparityView view = matcher.match(pair.left.view(), pair.right.view(), covered, covered);
       EXPECT_TRUE(std::ranges::equal(disparities_of(pair, options, covered),
                                      std::span(view.disparity_px.pixels, pair.left.pixels.size())));
+      EXPECT_TRUE(std::ranges::equal(sigmas_of(pair, options, covered),
+                                     std::span(view.sigma_px.pixels, pair.left.pixels.size())));
     }
   }
 }

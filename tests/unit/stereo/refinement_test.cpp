@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -61,6 +62,7 @@ double truth_px(int u, int v) { return 12.0 + 0.015 * (u - 120) + 0.01 * (v - 60
 
 struct Found {
   std::vector<double> errors_px, in_sigmas, sure_errors_px;
+  std::vector<int> columns, rows;
   double at_half = 0.0;  // share of all
 };
 
@@ -120,7 +122,114 @@ TEST_P(Refinement, DisparitiesLieWhereTheyAreAndSigmaSaysHowWell) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Cameras, Refinement,
-                         testing::Values(Seen{1.0, 0.0, 1.0}, Seen{0.85, 12.0, 1.0}, Seen{1.0, 0.0, 3.0}));
+                         testing::Values(Seen{1.0, 0.0, 1.0}, Seen{0.85, 12.0, 1.0}, Seen{0.5, 60.0, 1.0},
+                                         Seen{1.0, 0.0, 3.0}));
+
+// Both images of grainy faces: blurred noise about a middle grey, so weak that noise is not far below it.
+struct Grainy {
+  Grainy(double grey_rms, double middle_grey, unsigned seed) : middle_grey_(middle_grey) {
+    constexpr double kBlur_px = 1.2;
+    constexpr int kReach = 6 * kFine;
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    std::vector<double> sharp(kRow * kHeight + 2 * kReach + 1);
+    for (double& value : sharp) value = normal(random);
+    double squares = 0.0;
+    for (std::size_t i = 0; i < fine_.size(); ++i) {
+      for (int k = -kReach; k <= kReach; ++k) {
+        const double x = static_cast<double>(k) / kFine;
+        fine_[i] += std::exp(-x * x / (2 * kBlur_px * kBlur_px)) * sharp[i + static_cast<std::size_t>(k + kReach)];
+      }
+      squares += fine_[i] * fine_[i];
+    }
+    for (double& value : fine_) value *= grey_rms / std::sqrt(squares / static_cast<double>(fine_.size()));
+  }
+  double at(double u, int v) const {  // linear between samples
+    const double place = kFine * (u + kRim) + kRow * v, whole = std::floor(place);
+    const auto i = static_cast<std::size_t>(whole);
+    return middle_grey_ + (1 - (place - whole)) * fine_[i] + (place - whole) * fine_[i + 1];
+  }
+
+ private:
+  static constexpr int kFine = 4, kRim = 32, kRow = kFine * (kWidth + 2 * kRim);  // samples of a pixel, of a row
+  double middle_grey_;
+  std::vector<double> fine_ = std::vector<double>(kRow * kHeight + 1);
+};
+
+// What is matched of `scene`, with noise of one grey value; `disparity_px` of each row.
+template <typename Disparity>
+Found matched(const Grainy& scene, const Disparity& disparity_px, int covered_from, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise;
+  const auto byte = [&](double grey) {
+    return static_cast<std::uint8_t>(std::clamp(std::lround(grey + noise(random)), 0L, 255L));
+  };
+  std::vector<std::uint8_t> left, right, covered;
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      covered.push_back(u >= covered_from);
+      left.push_back(u >= covered_from ? byte(scene.at(u - disparity_px(v), v)) : 0);
+      right.push_back(byte(scene.at(u, v)));
+    }
+  }
+  Matcher matcher({kWidth, kHeight}, {.disparities = kDisparities});
+  const DisparityView view =
+      matcher.match({left.data(), kWidth, kHeight, kWidth}, {right.data(), kWidth, kHeight, kWidth}, covered.data());
+  Found found;
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = std::max(kDisparities, covered_from); u < kWidth - 4; ++u) {
+      if (!(view.disparity_px.at(u, v) > 0)) continue;
+      const double error = view.disparity_px.at(u, v) - disparity_px(v);
+      found.errors_px.push_back(error);
+      found.in_sigmas.push_back(error / view.sigma_px.at(u, v));
+      found.columns.push_back(u);
+      found.rows.push_back(v);
+    }
+  }
+  return found;
+}
+
+// Noise that is in the right image's slope and in its grey value, too, would pull by 0.1 px.
+TEST(RefinementOfWeakTexture, IsNotPulledToHalfPixels) {
+  for (const double fraction : {0.1, 0.25, 0.75, 0.9}) {
+    const Found found = matched(
+        Grainy(3.0, 120.0, 5), [&](int) { return 12.0 + fraction; }, 0, 6);
+    ASSERT_GT(found.errors_px.size(), kWidth * kHeight / 4);
+    const double mean = std::accumulate(found.errors_px.begin(), found.errors_px.end(), 0.0) /
+                        static_cast<double>(found.errors_px.size());
+    EXPECT_NEAR(mean, 0.0, 0.05) << fraction;
+  }
+}
+
+// Far above near, and near above far: windows over the step are not averaged across it.
+TEST(RefinementAtSteps, KeepsBothDepths) {
+  for (const bool far_above : {true, false}) {
+    const auto depth = [&](int v) { return (v < kHeight / 2) == far_above ? 1.2 : 9.0; };
+    const Found found = matched(Grainy(12.0, 120.0, 7), depth, 0, 8);
+    int beside = 0, between = 0;
+    for (std::size_t i = 0; i < found.rows.size(); ++i) {
+      if (std::abs(found.rows[i] + 0.5 - kHeight / 2.0) > 4) continue;
+      ++beside;
+      const double error = std::abs(found.errors_px[i]);
+      between += error > 0.8 && error < 7.0;  // neither depth
+    }
+    ASSERT_GT(beside, kWidth);
+    EXPECT_LT(between, 0.02 * beside) << far_above;
+  }
+}
+
+// What is not covered is black, which is no edge of the scene.
+TEST(RefinementAtRims, TakesNoBlackForTexture) {
+  constexpr int kFrom = 60;
+  const Found found = matched(
+      Grainy(6.0, 120.0, 9), [](int) { return 12.3; }, kFrom, 10);
+  std::vector<double> at_rim;
+  for (std::size_t i = 0; i < found.columns.size(); ++i) {
+    if (found.columns[i] < kFrom + 5) at_rim.push_back(found.in_sigmas[i]);
+  }
+  ASSERT_GT(at_rim.size(), 100U);
+  EXPECT_LT(spread(at_rim), 1.5);
+}
 
 TEST(RefinementOptions, NoiseIsAboveZero) { EXPECT_THROW(Matcher({64, 64}, {.noise_grey = 0.0}), Error); }
 
