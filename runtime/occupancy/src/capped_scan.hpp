@@ -11,7 +11,7 @@
 namespace raybundle {
 
 /// A scan's points, none of them less sure than the surest quarter is: bounds that widen with a point's sigma would else let
-/// what is hardly known lie on any surface.
+/// what is hardly known lie on any surface. Fits weigh by the capped sigmas, too.
 class CappedScan {
  public:
   explicit CappedScan(const Scan& scan) : scan_(scan), points_(scan.points.begin(), scan.points.end()) {

@@ -109,9 +109,8 @@ Head find_head(const VehicleLayout& layout, const SeatPose& seat, const Scan& se
     const BallCount count = count_ball(scan, head.centre, head.semi_axes_m.mean(), 1);
     head.filled = count.filled();
     head.clear = count.free();
-    const double most_misfit = head.clear >= options.free ? options.most_misfit_of_free : options.most_misfit;
     const bool believed =
-        head.filled >= options.least_filled && head.clear >= options.least_clear && head.misfit <= most_misfit;
+        head.filled >= options.least_filled && head.clear >= options.least_clear && head.misfit <= options.most_misfit;
     if (!believed) continue;
     if (!best.found || head.centre.z() > best.centre.z()) best = head;
   }

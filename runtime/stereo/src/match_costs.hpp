@@ -48,7 +48,9 @@ class RightLimits {
       : width_(width), most_(static_cast<std::uint8_t>(most)), limits_(mirrored_length(width, lanes), most_) {}
 
   /// Values that a mirrored row has: partners of all pixels at all disparities that there can be.
-  static std::size_t mirrored_length(int width, int lanes) { return static_cast<std::size_t>(2 * width + lanes); }
+  static std::size_t mirrored_length(int width, int lanes) {
+    return 2 * static_cast<std::size_t>(width) + static_cast<std::size_t>(lanes);
+  }
 
   void fill(int v, const std::uint8_t* right_covered) {
     for (int x = 0; x < width_; ++x) {

@@ -22,7 +22,7 @@ struct HeadOptions {
   Eigen::Vector3d centre_from_hair_m = {0.004, 0.0, -0.003};
   double hair_sigma_m = 0.006;   ///< of the centre: how hair lies is not known
   double shape_sigma_m = 0.006;  ///< of faces and hair from the ellipsoid
-  double curved_sigmas = 1.0;    ///< depths scatter on heads by so many of their sigmas
+  double curved_sigmas = 1.0;    ///< depths scatter on heads by so many sigmas, none taken above the surest quarter's
   double alike_m = 0.03;         ///< places on a head that are so near err alike: a matcher's window, a lock of hair
   double least_above_bight_m = 0.40;  ///< of the centre; lower are knees, fists and bags
 
@@ -36,10 +36,9 @@ struct HeadOptions {
   int least_points = 60;
   double least_filled = 0.60;  ///< more than half of a head is seen, not a rim of it
   double least_clear = 0.35;   ///< a shoulder and a headrest may stand beside it, but no wall all around
-  /// 1: points lie about the ellipsoid as their sigmas say; knees and bags do not. Of some thirty places on a head that
-  /// err apart, it scatters by 0.13: what stands free all around, as hardly anything but a head does, may have more.
-  double most_misfit = 1.05, most_misfit_of_free = 1.15;
-  double free = 0.90;  ///< clear of a head that stands free
+  /// 1: points lie about the ellipsoid as their sigmas say; knees, bags and the shells of baby seats do not. Of some
+  /// thirty places on a head that err apart, it scatters by 0.13.
+  double most_misfit = 1.05;
 };
 
 /// A head that was found.
