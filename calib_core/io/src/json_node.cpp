@@ -115,7 +115,8 @@ nlohmann::json parsed(std::string_view text) { return nlohmann::json::parse(text
 JsonDocument parse_json(std::string_view text, const std::string& name, LongJsonArray* long_array) {
   try {
     FirstPass first(text, name, long_array ? long_array->key : "");
-    if (!long_array || first.entries.empty() || !first.all_objects) return {text, name, parsed(text)};
+    const bool long_one = long_array && first.inside.data() != nullptr;  // an array that ends
+    if (!long_one || first.entries.empty() || !first.all_objects) return {text, name, parsed(text)};
     std::string rest(text.substr(0, static_cast<std::size_t>(first.inside.data() - text.data())));
     rest += std::string_view(first.inside.data() + first.inside.size(), text.data() + text.size());
     JsonDocument document{text, name, parsed(rest)};

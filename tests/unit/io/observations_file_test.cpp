@@ -8,6 +8,7 @@ namespace raybundle::testing {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 std::string read_message(const std::string& text) {
   return message_of([&] { observations_from_text(text, "o.json"); });
@@ -89,6 +90,14 @@ TEST(ObservationsFile, FramesSigmaTargetAndModelMayBeMissing) {
   EXPECT_EQ(file.problem.views[0].observations[0].sigma_px, 1.0);
   EXPECT_EQ(file.problem.views[0].observations[1].sigma_px, 0.5);
   EXPECT_EQ(file.problem.views[1].image, "right08.png");
+}
+
+// Views are read one by one: a text that breaks off among them has no end of them.
+TEST(ObservationsFile, BrokenTextAmongViewsIsNamed) {
+  EXPECT_THAT(read_message("{\"views\": [{\"camera\": \"left\"},\n{\"camera\" 5}]}"),
+              StartsWith("o.json:2: this is not valid JSON"));
+  EXPECT_THAT(read_message("{\"views\": [{\"camera\": \"left\"},\n{\"camera\""),
+              StartsWith("o.json:2: the JSON text ends too early"));
 }
 
 TEST(ObservationsFile, EveryComplaintNamesLineAndKey) {
