@@ -45,7 +45,7 @@ Eigen::VectorXd projection_sigma(const Calibration& calibration, const std::stri
 void bind_parts(py::module_& module) {
   py::class_<RigCamera>(module, "RigCamera", "A camera in its place on the rig.")
       .def(py::init([](const std::string& name, const Camera& camera, const Eigen::Matrix4d& camera_from_rig) {
-             return RigCamera{name, camera, rigid3_from_matrix(camera_from_rig)};
+             return RigCamera{name, camera, rigid3_of(camera_from_rig)};
            }),
            py::arg("name"), py::arg("camera"),
            py::arg("camera_from_rig") = Eigen::Matrix4d(Eigen::Matrix4d::Identity()))

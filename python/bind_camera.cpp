@@ -13,13 +13,6 @@ namespace {
 namespace py = pybind11;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-ModelId model_of(const std::string& name) {
-  if (const auto model = model_named(name)) return *model;
-  std::string known;
-  for (const std::string_view each : model_names()) known += (known.empty() ? "" : ", ") + std::string(each);
-  throw Error(ErrorKind::kBadInput, "'" + name + "' is no camera model; known: " + known);
-}
-
 Camera make_camera(const std::string& model, int width, int height, const Eigen::VectorXd& parameters) {
   Camera camera{model_of(model), {width, height}, parameters};
   const auto names = parameter_names(camera.model);
@@ -61,6 +54,13 @@ py::dict parameters_by_name(const Camera& camera) {
 }
 
 }  // namespace
+
+ModelId model_of(const std::string& name) {
+  if (const auto model = model_named(name)) return *model;
+  std::string known;
+  for (const std::string_view each : model_names()) known += (known.empty() ? "" : ", ") + std::string(each);
+  throw Error(ErrorKind::kBadInput, "'" + name + "' is no camera model; known: " + known);
+}
 
 void bind_camera(py::module_& module) {
   module.def(

@@ -23,9 +23,7 @@ int index_named(const List& list, const std::string& name, const char* what, Pro
 }
 
 void add_camera(CalibrationProblem& problem, const std::string& name, const std::string& model, int width, int height) {
-  const auto id = model_named(model);
-  if (!id) throw Error(ErrorKind::kBadInput, "'" + model + "' is no camera model; see camera_models()");
-  problem.cameras.push_back({name, *id, {width, height}, std::nullopt, std::nullopt});
+  problem.cameras.push_back({name, model_of(model), {width, height}, std::nullopt, std::nullopt});
 }
 
 void add_target(CalibrationProblem& problem, const std::string& name, const Eigen::Ref<const Rows<3>>& points) {
@@ -99,9 +97,7 @@ void bind_problem(py::module_& module) {
         ObservationsFile file = read_observations(path);
         for (std::size_t i = 0; i < file.models.size(); ++i) {
           if (!model.empty()) {
-            const auto id = model_named(model);
-            if (!id) throw Error(ErrorKind::kBadInput, "'" + model + "' is no camera model; see camera_models()");
-            file.problem.cameras[i].model = *id;
+            file.problem.cameras[i].model = model_of(model);
           } else if (!file.models[i]) {
             throw Error(
                 ErrorKind::kBadInput,

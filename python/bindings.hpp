@@ -6,7 +6,10 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include "raybundle/geometry/rigid3.hpp"
+#include <string>
+
+#include "raybundle/camera/camera.hpp"
+#include "raybundle/geometry/rigid3_matrix.hpp"
 
 namespace raybundle::python {
 
@@ -14,11 +17,13 @@ namespace raybundle::python {
 template <int size>
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, size, Eigen::RowMajor>;
 
-/// A transform as people who use NumPy write it: 4×4, b_from_a.
-Eigen::Matrix4d matrix_from_rigid3(const Rigid3& b_from_a);
-
 /// @throws Error(kBadInput) when the upper left part is no rotation
-Rigid3 rigid3_from_matrix(const Eigen::Matrix4d& b_from_a);
+Rigid3 rigid3_of(const Eigen::Matrix4d& b_from_a);
+
+/// The camera model of that name.
+///
+/// @throws Error(kBadInput) naming those that there are
+ModelId model_of(const std::string& name);
 
 // One in each file; module.cpp calls them in this order, because docstrings name types that are known by then.
 void bind_camera(pybind11::module_& module);

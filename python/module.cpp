@@ -2,25 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bindings.hpp"
 #include "raybundle/geometry/error.hpp"
-#include "raybundle/geometry/rotation.hpp"
 
 namespace raybundle::python {
 
-Eigen::Matrix4d matrix_from_rigid3(const Rigid3& b_from_a) {
-  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
-  matrix.topLeftCorner<3, 3>() = b_from_a.rotation.toRotationMatrix();
-  matrix.topRightCorner<3, 1>() = b_from_a.translation;
-  return matrix;
-}
-
-Rigid3 rigid3_from_matrix(const Eigen::Matrix4d& b_from_a) {
+Rigid3 rigid3_of(const Eigen::Matrix4d& b_from_a) {
   constexpr double kRounding = 1e-6;
-  const Eigen::Matrix3d rotation = b_from_a.topLeftCorner<3, 3>();
-  if (!((rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).norm() < kRounding) ||
-      !(rotation.determinant() > 0)) {
-    throw Error(ErrorKind::kBadInput, "the upper left 3x3 of a transform has to be a rotation");
-  }
-  return {Eigen::Quaterniond(nearest_rotation(rotation)).normalized(), b_from_a.topRightCorner<3, 1>()};
+  const auto transform = rigid3_from_matrix(b_from_a.topLeftCorner<3, 3>(), b_from_a.topRightCorner<3, 1>(), kRounding);
+  if (!transform) throw Error(ErrorKind::kBadInput, "the upper left 3x3 of a transform has to be a rotation");
+  return *transform;
 }
 
 }  // namespace raybundle::python

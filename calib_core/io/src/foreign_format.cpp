@@ -3,6 +3,7 @@
 #include "raybundle/io/foreign_format.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <set>
 
 #include "formats/foreign_lens.hpp"
@@ -11,6 +12,21 @@
 #include "raybundle/scene/csv.hpp"
 
 namespace raybundle {
+namespace {
+
+// Makes the first camera's frame that of the rig. `camera_of` is where an entry has its RigCamera.
+template <typename Entry, typename CameraOf>
+void measure_from_first(std::vector<Entry>& rig, CameraOf camera_of) {
+  if (rig.empty()) return;
+  const Rigid3 reference_from_first = std::invoke(camera_of, rig[0]).camera_from_rig.inverse();
+  for (Entry& entry : rig) {
+    RigCamera& camera = std::invoke(camera_of, entry);
+    camera.camera_from_rig = camera.camera_from_rig * reference_from_first;
+  }
+  std::invoke(camera_of, rig[0]).camera_from_rig = {};
+}
+
+}  // namespace
 
 std::span<const ForeignFormat> foreign_formats() {
   static const std::vector<ForeignFormat> kFormats{opencv_format(), ros_format(),    kalibr_format(),   mrcal_format(),
@@ -33,6 +49,7 @@ std::vector<NamedText> texts_from_rig(const ForeignFormat& format, std::vector<F
                   camera.camera.name);
     }
   }
+  measure_from_first(rig, &ForeignCamera::camera);
   std::vector<NamedText> files = format.write(format, rig);
   std::set<std::string> names;
   for (const NamedText& file : files) {
@@ -48,12 +65,10 @@ std::vector<RigCamera> rig_from_texts(const ForeignFormat& format, std::span<con
   if (rig.empty()) throw Error(ErrorKind::kBadInput, "has no camera", files[0].name);
   std::set<std::string> names;
   for (const RigCamera& camera : rig) names.insert(camera.name);
-  const Rigid3 reference_from_first = rig[0].camera_from_rig.inverse();
   for (std::size_t i = 0; i < rig.size(); ++i) {
     if (names.size() < rig.size() || names.contains("")) rig[i].name = numbered_camera(i);
-    rig[i].camera_from_rig = rig[i].camera_from_rig * reference_from_first;
   }
-  rig[0].camera_from_rig = {};
+  measure_from_first(rig, std::identity{});
   return rig;
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "image_side.hpp"
 #include "json_location.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/scene/csv.hpp"
@@ -15,8 +16,6 @@
 
 namespace raybundle {
 namespace {
-
-constexpr int kMaxImageSide = 1'000'000;  // [px]; beyond that a width is a mistake
 
 // Refuses an object that has a key twice: only one of the values could be meant. And finds where a long array and its
 // entries stand. A pass of its own, because the parser's callback looks through a whole array behind each of its
@@ -232,21 +231,24 @@ ModelId JsonNode::model() const {
 }
 
 ImageSize JsonNode::image_size() const {
-  return {at("width").whole_number(1, kMaxImageSide), at("height").whole_number(1, kMaxImageSide)};
+  return {at("width").whole_number(1, kMaxImageSide_px), at("height").whole_number(1, kMaxImageSide_px)};
 }
 
 Rigid3 JsonNode::rigid3() const {
   const JsonNode rotation = at("rotation_xyzw");
-  Rigid3 transform;
-  transform.rotation.coeffs() = rotation.vector<4>();  // Eigen keeps x y z w in this order
-  transform.translation = at("translation_m").vector<3>();
-  const double norm = transform.rotation.norm();
+  const Eigen::Vector3d translation = at("translation_m").vector<3>();
+  return {unit_quaternion(rotation, Eigen::Quaterniond(rotation.vector<4>())),
+          translation};  // Eigen's order is x y z w
+}
+
+Eigen::Quaterniond unit_quaternion(const JsonNode& node, Eigen::Quaterniond quaternion) {
+  const double norm = quaternion.norm();
   if (!(std::abs(norm - 1.0) < 1e-3)) {
-    rotation.fail("is not a unit quaternion (its length is " + std::to_string(norm) + "); correct it");
+    node.fail("is not a unit quaternion (its length is " + std::to_string(norm) + "); correct it");
   }
-  // A quaternion that was written with a few digits is mended; one that we wrote keeps its bits.
-  if (std::abs(norm - 1.0) > 1e-12) transform.rotation.normalize();
-  return transform;
+  // One that was written with a few digits is mended; one that we wrote keeps its bits.
+  if (std::abs(norm - 1.0) > 1e-12) quaternion.normalize();
+  return quaternion;
 }
 
 std::string JsonNode::path() const {

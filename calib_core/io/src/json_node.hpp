@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -90,6 +91,11 @@ class JsonNode {
   std::string_view key_;   ///< in the parent, when it is an object
   std::size_t index_ = 0;  ///< in the parent, when it is an array
 };
+
+/// The rotation that four numbers of a node are.
+///
+/// @param node  that complaints name, when its length is not 1
+Eigen::Quaterniond unit_quaternion(const JsonNode& node, Eigen::Quaterniond quaternion);
 
 /// Checks the head of one of our files: its format and its version.
 void expect_format(const JsonNode& root, const std::string& format, int version);

@@ -221,11 +221,11 @@ TEST(Kalibr, IsNotGivenWhatItRefuses) {
 }
 
 TEST(Kalibr, IsReadWithPlacesOnABodyAsOpenVinsWritesThem) {
-  const auto rig = read_as("kalibr", with_text(R"(%YAML:1.0
-
-cam0:
+  const auto camera = [](const std::string& key, const std::string& x_m, const std::string& topic) {
+    return key + R"(:
   T_imu_cam:
-    - [1.0, 0.0, 0.0, 0.5]
+    - [1.0, 0.0, 0.0, )" +
+           x_m + R"(]
     - [0.0, 1.0, 0.0, 0.0]
     - [0.0, 0.0, 1.0, 0.0]
     - [0.0, 0.0, 0.0, 1.0]
@@ -234,20 +234,11 @@ cam0:
   distortion_model: equidistant
   intrinsics: [300.0, 300.0, 320.0, 240.0]
   resolution: [640, 480]
-  rostopic: /left/image_raw
-cam1:
-  T_imu_cam:
-    - [1.0, 0.0, 0.0, 0.6]
-    - [0.0, 1.0, 0.0, 0.0]
-    - [0.0, 0.0, 1.0, 0.0]
-    - [0.0, 0.0, 0.0, 1.0]
-  camera_model: pinhole
-  distortion_coeffs: [0.0, 0.0, 0.0, 0.0]
-  distortion_model: equidistant
-  intrinsics: [300.0, 300.0, 320.0, 240.0]
-  resolution: [640, 480]
-  rostopic: /right/image_raw
-)"));
+  rostopic: )" +
+           topic + "\n";
+  };
+  const auto rig = read_as("kalibr", with_text("%YAML:1.0\n\n" + camera("cam0", "0.5", "/left/image_raw") +
+                                               camera("cam1", "0.6", "/right/image_raw")));
   ASSERT_EQ(rig.size(), 2U);
   EXPECT_EQ(rig[1].name, "right");
   EXPECT_NEAR(rig[1].camera_from_rig.translation.x(), -0.1, 1e-12);

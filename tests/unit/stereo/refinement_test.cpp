@@ -35,7 +35,7 @@ class Mosaic {
     }
     for (double& weight : kernel_) weight /= sum;
   }
-  double grey(double u, double v) const {
+  double at(double u, double v) const {
     double sum = 0.0;
     for (std::size_t j = 0; j < kernel_.size(); ++j) {
       for (std::size_t i = 0; i < kernel_.size(); ++i) {
@@ -58,72 +58,11 @@ class Mosaic {
   std::array<double, 2 * kReach + 1> kernel_{};
 };
 
-double truth_px(int u, int v) { return 12.0 + 0.015 * (u - 120) + 0.01 * (v - 60); }
-
-struct Found {
-  std::vector<double> errors_px, in_sigmas, sure_errors_px;
-  std::vector<int> columns, rows;
-  double at_half = 0.0;  // share of all
-};
-
-Found found(double gain, double offset, double noise_grey) {
-  const Mosaic mosaic(3);
-  std::mt19937 random(4);
-  std::normal_distribution<double> normal;
-  const auto byte = [&](double grey) {
-    return static_cast<std::uint8_t>(std::clamp(std::lround(grey + noise_grey * normal(random)), 0L, 255L));
-  };
-  std::vector<std::uint8_t> left, right;
-  for (int v = 0; v < kHeight; ++v) {
-    for (int u = 0; u < kWidth; ++u) {
-      left.push_back(byte(mosaic.grey(u - truth_px(u, v), v)));
-      right.push_back(byte(gain * mosaic.grey(u, v) + offset));
-    }
-  }
-  Matcher matcher({kWidth, kHeight}, {.disparities = kDisparities, .noise_grey = noise_grey});
-  const DisparityView view =
-      matcher.match({left.data(), kWidth, kHeight, kWidth}, {right.data(), kWidth, kHeight, kWidth});
-  Found found;
-  for (int v = 4; v < kHeight - 4; ++v) {
-    for (int u = kDisparities; u < kWidth - 4; ++u) {
-      const double disparity = view.disparity_px.at(u, v), sigma = view.sigma_px.at(u, v);
-      EXPECT_EQ(disparity > 0, sigma > 0);
-      if (!(disparity > 0)) continue;
-      const double error = disparity - truth_px(u, v);
-      found.errors_px.push_back(error);
-      found.in_sigmas.push_back(error / sigma);
-      if (sigma < 0.15) found.sure_errors_px.push_back(error);
-      found.at_half += disparity - std::floor(disparity) == 0.5;
-    }
-  }
-  found.at_half /= static_cast<double>(found.errors_px.size());
-  return found;
-}
-
 // 1.4826 times the median of what is left of the sign: the standard deviation of Gaussian values about 0.
 double spread(std::vector<double> values) {
   for (double& value : values) value = std::abs(value);
   return 1.4826 * median(values);
 }
-
-struct Seen {
-  double gain, offset, noise_grey;
-};
-struct Refinement : testing::TestWithParam<Seen> {};
-
-TEST_P(Refinement, DisparitiesLieWhereTheyAreAndSigmaSaysHowWell) {
-  const Found result = found(GetParam().gain, GetParam().offset, GetParam().noise_grey);
-  ASSERT_GT(result.errors_px.size(), kWidth * kHeight / 2);
-  EXPECT_LT(result.at_half, 0.02);
-  EXPECT_GT(spread(result.in_sigmas), 0.6);
-  EXPECT_LT(spread(result.in_sigmas), 1.5);
-  ASSERT_GT(result.sure_errors_px.size(), result.errors_px.size() / 20);
-  EXPECT_LT(spread(result.sure_errors_px), 0.15);
-}
-
-INSTANTIATE_TEST_SUITE_P(Cameras, Refinement,
-                         testing::Values(Seen{1.0, 0.0, 1.0}, Seen{0.85, 12.0, 1.0}, Seen{0.5, 60.0, 1.0},
-                                         Seen{1.0, 0.0, 3.0}));
 
 // Both images of grainy faces: blurred noise about a middle grey, so weak that noise is not far below it.
 struct Grainy {
@@ -156,32 +95,46 @@ struct Grainy {
   std::vector<double> fine_ = std::vector<double>(kRow * kHeight + 1);
 };
 
-// What is matched of `scene`, with noise of one grey value; `disparity_px` of each row.
-template <typename Disparity>
-Found matched(const Grainy& scene, const Disparity& disparity_px, int covered_from, unsigned seed) {
+struct Found {
+  std::vector<double> disparities_px, errors_px, in_sigmas, sigmas_px;
+  std::vector<int> columns, rows;
+};
+
+// How the cameras see a scene: the right one with a gain and an offset, both with noise, the left one from a column on.
+struct Seen {
+  double gain = 1.0, offset = 0.0, noise_grey = 1.0;
+  int covered_from = 0;
+};
+
+// What is matched of `scene`, whose points are `disparity_px(u, v)` apart.
+template <typename Scene, typename Disparity>
+Found matched(const Scene& scene, const Disparity& disparity_px, const Seen& seen, unsigned seed) {
   std::mt19937 random(seed);
-  std::normal_distribution<double> noise;
+  std::normal_distribution<double> normal;
   const auto byte = [&](double grey) {
-    return static_cast<std::uint8_t>(std::clamp(std::lround(grey + noise(random)), 0L, 255L));
+    return static_cast<std::uint8_t>(std::clamp(std::lround(grey + seen.noise_grey * normal(random)), 0L, 255L));
   };
   std::vector<std::uint8_t> left, right, covered;
   for (int v = 0; v < kHeight; ++v) {
     for (int u = 0; u < kWidth; ++u) {
-      covered.push_back(u >= covered_from);
-      left.push_back(u >= covered_from ? byte(scene.at(u - disparity_px(v), v)) : 0);
-      right.push_back(byte(scene.at(u, v)));
+      covered.push_back(u >= seen.covered_from);
+      left.push_back(u >= seen.covered_from ? byte(scene.at(u - disparity_px(u, v), v)) : 0);
+      right.push_back(byte(seen.gain * scene.at(u, v) + seen.offset));
     }
   }
-  Matcher matcher({kWidth, kHeight}, {.disparities = kDisparities});
+  Matcher matcher({kWidth, kHeight}, {.disparities = kDisparities, .noise_grey = seen.noise_grey});
   const DisparityView view =
       matcher.match({left.data(), kWidth, kHeight, kWidth}, {right.data(), kWidth, kHeight, kWidth}, covered.data());
   Found found;
   for (int v = 0; v < kHeight; ++v) {
-    for (int u = std::max(kDisparities, covered_from); u < kWidth - 4; ++u) {
-      if (!(view.disparity_px.at(u, v) > 0)) continue;
-      const double error = view.disparity_px.at(u, v) - disparity_px(v);
-      found.errors_px.push_back(error);
-      found.in_sigmas.push_back(error / view.sigma_px.at(u, v));
+    for (int u = std::max(kDisparities, seen.covered_from); u < kWidth - 4; ++u) {
+      const double disparity = view.disparity_px.at(u, v), sigma = view.sigma_px.at(u, v);
+      EXPECT_EQ(disparity > 0, sigma > 0);
+      if (!(disparity > 0)) continue;
+      found.disparities_px.push_back(disparity);
+      found.errors_px.push_back(disparity - disparity_px(u, v));
+      found.in_sigmas.push_back(found.errors_px.back() / sigma);
+      found.sigmas_px.push_back(sigma);
       found.columns.push_back(u);
       found.rows.push_back(v);
     }
@@ -189,11 +142,35 @@ Found matched(const Grainy& scene, const Disparity& disparity_px, int covered_fr
   return found;
 }
 
+struct Refinement : testing::TestWithParam<Seen> {};
+
+TEST_P(Refinement, DisparitiesLieWhereTheyAreAndSigmaSaysHowWell) {
+  const Found found = matched(
+      Mosaic(3), [](int u, int v) { return 12.0 + 0.015 * (u - 120) + 0.01 * (v - 60); }, GetParam(), 4);
+  const std::size_t count = found.errors_px.size();
+  ASSERT_GT(count, kWidth * kHeight / 2);
+  std::size_t at_half = 0;
+  std::vector<double> sure_errors_px;
+  for (std::size_t i = 0; i < count; ++i) {
+    at_half += found.disparities_px[i] - std::floor(found.disparities_px[i]) == 0.5;
+    if (found.sigmas_px[i] < 0.15) sure_errors_px.push_back(found.errors_px[i]);
+  }
+  EXPECT_LT(static_cast<double>(at_half), 0.02 * static_cast<double>(count));
+  EXPECT_GT(spread(found.in_sigmas), 0.6);
+  EXPECT_LT(spread(found.in_sigmas), 1.5);
+  ASSERT_GT(sure_errors_px.size(), count / 20);
+  EXPECT_LT(spread(sure_errors_px), 0.15);
+}
+
+INSTANTIATE_TEST_SUITE_P(Cameras, Refinement,
+                         testing::Values(Seen{}, Seen{.gain = 0.85, .offset = 12.0}, Seen{.gain = 0.5, .offset = 60.0},
+                                         Seen{.noise_grey = 3.0}));
+
 // Noise that is in the right image's slope and in its grey value, too, would pull by 0.1 px.
 TEST(RefinementOfWeakTexture, IsNotPulledToHalfPixels) {
   for (const double fraction : {0.1, 0.25, 0.75, 0.9}) {
     const Found found = matched(
-        Grainy(3.0, 120.0, 5), [&](int) { return 12.0 + fraction; }, 0, 6);
+        Grainy(3.0, 120.0, 5), [&](int, int) { return 12.0 + fraction; }, {}, 6);
     ASSERT_GT(found.errors_px.size(), kWidth * kHeight / 4);
     const double mean = std::accumulate(found.errors_px.begin(), found.errors_px.end(), 0.0) /
                         static_cast<double>(found.errors_px.size());
@@ -204,8 +181,8 @@ TEST(RefinementOfWeakTexture, IsNotPulledToHalfPixels) {
 // Far above near, and near above far: windows over the step are not averaged across it.
 TEST(RefinementAtSteps, KeepsBothDepths) {
   for (const bool far_above : {true, false}) {
-    const auto depth = [&](int v) { return (v < kHeight / 2) == far_above ? 1.2 : 9.0; };
-    const Found found = matched(Grainy(12.0, 120.0, 7), depth, 0, 8);
+    const auto depth = [&](int, int v) { return (v < kHeight / 2) == far_above ? 1.2 : 9.0; };
+    const Found found = matched(Grainy(12.0, 120.0, 7), depth, {}, 8);
     int beside = 0, between = 0;
     for (std::size_t i = 0; i < found.rows.size(); ++i) {
       if (std::abs(found.rows[i] + 0.5 - kHeight / 2.0) > 4) continue;
@@ -222,7 +199,7 @@ TEST(RefinementAtSteps, KeepsBothDepths) {
 TEST(RefinementAtRims, TakesNoBlackForTexture) {
   constexpr int kFrom = 60;
   const Found found = matched(
-      Grainy(6.0, 120.0, 9), [](int) { return 12.3; }, kFrom, 10);
+      Grainy(6.0, 120.0, 9), [](int, int) { return 12.3; }, {.covered_from = kFrom}, 10);
   std::vector<double> at_rim;
   for (std::size_t i = 0; i < found.columns.size(); ++i) {
     if (found.columns[i] < kFrom + 5) at_rim.push_back(found.in_sigmas[i]);

@@ -3,8 +3,7 @@
 
 // Basalt's calibration.json. Source: basalt-headers serialization/headers_serialization.h, which wants every key that is
 // written here; T_imu_cam maps points of a camera into the body, here the first camera.
-#include <algorithm>
-
+#include "../image_side.hpp"
 #include "../json_node.hpp"
 #include "../json_text.hpp"
 #include "foreign_lens.hpp"
@@ -22,16 +21,13 @@ std::vector<NamedText> write(const ForeignFormat& format, const std::vector<Fore
   OrderedJson places = OrderedJson::array(), lenses = OrderedJson::array(), sizes = OrderedJson::array();
   OrderedJson vignettes = OrderedJson::array();
   for (const auto& [camera, lens] : rig) {
-    const Rigid3 first_from_camera = rig[0].camera.camera_from_rig * camera.camera_from_rig.inverse();
+    const Rigid3 first_from_camera = camera.camera_from_rig.inverse();
     OrderedJson place, parameters;
     for (int i = 0; i < 3; ++i) place[kTranslation[i]] = first_from_camera.translation[i];
     for (int i = 0; i < 4; ++i) place[kRotation[i]] = first_from_camera.rotation.coeffs()[i];
-    const auto names = parameter_names(camera.camera.model);
-    const std::vector<int> without = parameters_without_place(*lens);
-    for (int i = 0; i < static_cast<int>(names.size()); ++i) {
-      if (std::ranges::find(without, i) != without.end()) continue;
-      parameters[std::string(names[static_cast<std::size_t>(i)])] = camera.camera.parameters[i];
-    }
+    const std::vector<double> values = values_of(*lens, camera.camera);
+    auto value = values.begin();
+    for (const std::string_view name : places_of(*lens)) parameters[std::string(name)] = *value++;
     places.push_back(place);
     lenses.push_back({{"camera_type", lens->name}, {"intrinsics", parameters}});
     sizes.push_back({camera.camera.size.width, camera.camera.size.height});
@@ -58,15 +54,10 @@ Camera camera_from(const ForeignFormat& format, const JsonNode& node, ImageSize 
   const JsonNode intrinsics = node.at("intrinsics");
   const ForeignLens* lens = lens_named(format, type.text(), 0);
   if (lens == nullptr) type.fail("is " + in_quotes(type.text()) + "; known: " + known_lenses(format));
-  Camera camera = start_camera(lens->model, size, 1.0);
-  const std::vector<int> without = parameters_without_place(*lens);
-  const auto names = parameter_names(lens->model);
-  for (int i = 0; i < static_cast<int>(names.size()); ++i) {
-    if (std::ranges::find(without, i) == without.end()) {
-      camera.parameters[i] = intrinsics.at(names[static_cast<std::size_t>(i)]).number();
-    }
-  }
-  if (!(camera.fx() > 0 && camera.fy() > 0)) intrinsics.fail("has a focal length that is not positive");
+  std::vector<double> values;
+  for (const std::string_view name : places_of(*lens)) values.push_back(intrinsics.at(name).number());
+  const auto [camera, fault] = camera_from_values(*lens, size, values);
+  if (!fault.empty()) intrinsics.fail(fault);
   return camera;
 }
 
@@ -74,8 +65,7 @@ Rigid3 camera_from_body(const JsonNode& node) {
   Rigid3 body_from_camera;
   for (int i = 0; i < 3; ++i) body_from_camera.translation[i] = node.at(kTranslation[i]).number();
   for (int i = 0; i < 4; ++i) body_from_camera.rotation.coeffs()[i] = node.at(kRotation[i]).number();
-  if (!(std::abs(body_from_camera.rotation.norm() - 1.0) < 1e-3)) node.fail("has no unit quaternion; correct it");
-  body_from_camera.rotation.normalize();
+  body_from_camera.rotation = unit_quaternion(node, body_from_camera.rotation);
   return body_from_camera.inverse();
 }
 
@@ -94,7 +84,8 @@ std::vector<RigCamera> read(const ForeignFormat& format, std::span<const NamedTe
     const JsonNode size = sizes[i], lens = lenses[i], place = places[i];
     size.expect_array_size(2);
     rig.push_back({numbered_camera(i),
-                   camera_from(format, lens, {size[0].whole_number(1, 1'000'000), size[1].whole_number(1, 1'000'000)}),
+                   camera_from(format, lens,
+                               {size[0].whole_number(1, kMaxImageSide_px), size[1].whole_number(1, kMaxImageSide_px)}),
                    camera_from_body(place)});
   }
   return rig;

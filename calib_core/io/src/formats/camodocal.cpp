@@ -13,6 +13,7 @@
 #include "foreign_lens.hpp"
 #include "format_list.hpp"
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/rigid3_matrix.hpp"
 #include "raybundle/scene/csv.hpp"
 #include "yaml_node.hpp"
 
@@ -51,13 +52,11 @@ std::string file_of(const RigCamera& camera) { return file_stem(camera.name) + "
 std::string places_text(const std::vector<ForeignCamera>& rig) {
   std::string text = "%YAML:1.0\n---\n";
   for (std::size_t i = 0; i < rig.size(); ++i) {
-    const Rigid3 first_from_camera = rig[0].camera.camera_from_rig * rig[i].camera.camera_from_rig.inverse();
-    Eigen::Matrix<double, 4, 4, Eigen::RowMajor> matrix = Eigen::Matrix4d::Identity();
-    matrix.topLeftCorner<3, 3>() = first_from_camera.rotation.toRotationMatrix();
-    matrix.topRightCorner<3, 1>() = first_from_camera.translation;
+    const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> first_from_camera =
+        matrix_from_rigid3(rig[i].camera.camera_from_rig.inverse());
     text += fmt::format("cam{}_calib: {}\n", i, quoted(file_of(rig[i].camera)));
-    text += fmt::format("body_T_cam{}: !!opencv-matrix\n   rows: 4\n   cols: 4\n   dt: d\n   data: {}\n", i,
-                        list_text({matrix.data(), matrix.data() + 16}));
+    text += opencv_matrix_text(fmt::format("body_T_cam{}", i), 4, 4,
+                               {first_from_camera.data(), first_from_camera.data() + 16});
   }
   return text;
 }

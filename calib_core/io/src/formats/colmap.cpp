@@ -11,6 +11,7 @@
 #include <map>
 #include <sstream>
 
+#include "../image_side.hpp"
 #include "../json_node.hpp"
 #include "../json_text.hpp"
 #include "foreign_lens.hpp"
@@ -25,7 +26,6 @@ namespace {
 constexpr const char* kCameras = "cameras.txt";
 constexpr const char* kRig = "rig_config.json";
 constexpr double kHalfPixel = 0.5;
-constexpr int kMaxImageSide = 1'000'000;  // [px]; beyond that a width is a mistake
 
 Camera shifted(Camera camera, double by_px) {
   camera.parameters.segment<2>(2).array() += by_px;
@@ -45,10 +45,9 @@ std::vector<NamedText> write(const ForeignFormat&, const std::vector<ForeignCame
     if (i == 0) {
       entry["ref_sensor"] = true;
     } else {
-      const Rigid3 place = rig_camera.camera_from_rig * rig[0].camera.camera_from_rig.inverse();
-      const Eigen::Quaterniond& q = place.rotation;
+      const Eigen::Quaterniond& q = rig_camera.camera_from_rig.rotation;
       entry["cam_from_rig_rotation"] = {q.w(), q.x(), q.y(), q.z()};
-      entry["cam_from_rig_translation"] = json_from_vector(place.translation);
+      entry["cam_from_rig_translation"] = json_from_vector(rig_camera.camera_from_rig.translation);
     }
     entry["camera_model_name"] = lens->name;
     entry["camera_params"] = values;
@@ -85,7 +84,7 @@ std::pair<int, Camera> camera_of_line(const ForeignFormat& format, const std::st
     values.push_back(*value);
   }
   const bool sized = number && values.size() > 2 && std::all_of(values.begin(), values.begin() + 2, [](double side) {
-                       return side >= 1 && side <= kMaxImageSide && side == static_cast<int>(side);
+                       return side >= 1 && side <= kMaxImageSide_px && side == static_cast<int>(side);
                      });
   if (!sized) fail("has to be CAMERA_ID, MODEL, WIDTH, HEIGHT and parameters", where);
   return {*number, camera_from(format, model, {static_cast<int>(values[0]), static_cast<int>(values[1])},
@@ -106,9 +105,8 @@ void read_cameras(const ForeignFormat& format, const NamedText& file, std::map<i
 Rigid3 place_from(const JsonNode& node) {
   const JsonNode rotation = node.at("cam_from_rig_rotation");
   const Eigen::Vector4d q = rotation.vector<4>();
-  if (!(std::abs(q.norm() - 1.0) < 1e-3)) rotation.fail("is not a unit quaternion; correct it");
   const JsonNode translation = node.at("cam_from_rig_translation");
-  return {Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(), translation.vector<3>()};
+  return {unit_quaternion(rotation, {q[0], q[1], q[2], q[3]}), translation.vector<3>()};
 }
 
 // What the rig says of the lens has to be what cameras.txt says of the camera in the same place of its order.

@@ -21,6 +21,12 @@ std::optional<int> index_of(ModelId model, std::string_view place) {
   return static_cast<int>(found - names.begin());
 }
 
+}  // namespace
+
+ForeignLens foreign_lens(std::string_view name, std::string_view model, std::string_view places, double max_angle_rad) {
+  return {name, *model_named(model), places, max_angle_rad};
+}
+
 std::vector<std::string_view> places_of(const ForeignLens& lens) {
   std::vector<std::string_view> places;
   for (std::string_view rest = lens.places; !rest.empty();) {
@@ -29,12 +35,6 @@ std::vector<std::string_view> places_of(const ForeignLens& lens) {
     rest.remove_prefix(std::min(end + 1, rest.size()));
   }
   return places;
-}
-
-}  // namespace
-
-ForeignLens foreign_lens(std::string_view name, std::string_view model, std::string_view places, double max_angle_rad) {
-  return {name, *model_named(model), places, max_angle_rad};
 }
 
 std::vector<int> parameters_without_place(const ForeignLens& lens) {
@@ -123,6 +123,11 @@ std::string list_text(const std::vector<double>& values) {
   std::vector<std::string> texts;
   for (const double value : values) texts.push_back(real_text(value));
   return fmt::format("[{}]", fmt::join(texts, ", "));
+}
+
+std::string opencv_matrix_text(const std::string& key, int rows, int columns, const std::vector<double>& data) {
+  return fmt::format("{}: !!opencv-matrix\n   rows: {}\n   cols: {}\n   dt: d\n   data: {}\n", key, rows, columns,
+                     list_text(data));
 }
 
 std::string quoted(const std::string& text) {

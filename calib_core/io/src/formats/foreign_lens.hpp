@@ -16,6 +16,9 @@ ForeignLens foreign_lens(std::string_view name, std::string_view model, std::str
 /// Of lenses that are programmed with x / z: nothing behind the camera.
 inline constexpr double kBeforeTheCamera = std::numbers::pi / 2.0;
 
+/// What stands at each of a lens's places, as "fx": the keys of formats that name their values.
+std::vector<std::string_view> places_of(const ForeignLens& lens);
+
 /// Their parameters of a camera that lens_for() the format holds.
 std::vector<double> values_of(const ForeignLens& lens, const Camera& camera);
 
@@ -36,6 +39,9 @@ std::string real_text(double value);
 
 /// [1.0, 2.0]
 std::string list_text(const std::vector<double>& values);
+
+/// A matrix as cv::FileStorage writes it, row by row.
+std::string opencv_matrix_text(const std::string& key, int rows, int columns, const std::vector<double>& data);
 
 /// A text in double quotes, as JSON and YAML read it.
 std::string quoted(const std::string& text);

@@ -12,6 +12,7 @@
 #include "foreign_lens.hpp"
 #include "format_list.hpp"
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/rigid3_matrix.hpp"
 #include "raybundle/scene/number.hpp"
 #include "yaml_node.hpp"
 
@@ -39,9 +40,7 @@ std::size_t distortion_size(std::string_view distortion) {
 }
 
 std::string matrix_text(const Rigid3& b_from_a) {
-  Eigen::Matrix<double, 4, 4> matrix = Eigen::Matrix4d::Identity();
-  matrix.topLeftCorner<3, 3>() = b_from_a.rotation.toRotationMatrix();
-  matrix.topRightCorner<3, 1>() = b_from_a.translation;
+  const Eigen::Matrix4d matrix = matrix_from_rigid3(b_from_a);
   std::string text;
   for (int i = 0; i < 4; ++i) {
     text += "  - " + list_text({matrix(i, 0), matrix(i, 1), matrix(i, 2), matrix(i, 3)}) + "\n";

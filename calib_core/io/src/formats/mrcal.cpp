@@ -22,9 +22,8 @@ constexpr const char* kEnding = ".cameramodel";
 std::vector<NamedText> write(const ForeignFormat&, const std::vector<ForeignCamera>& rig) {
   std::vector<NamedText> files;
   for (const auto& [camera, lens] : rig) {
-    const Rigid3 camera_from_first = camera.camera_from_rig * rig[0].camera.camera_from_rig.inverse();
-    const Eigen::Vector3d r = vector_from_rotation(camera_from_first.rotation.toRotationMatrix());
-    const Eigen::Vector3d& t = camera_from_first.translation;
+    const Eigen::Vector3d r = vector_from_rotation(camera.camera_from_rig.rotation.toRotationMatrix());
+    const Eigen::Vector3d& t = camera.camera_from_rig.translation;
     files.push_back({file_stem(camera.name) + kEnding,
                      fmt::format("{{\n    'lensmodel': '{}',\n    'intrinsics': {},\n    'extrinsics': {},\n"
                                  "    'imagersize': [{}, {}],\n}}\n",

@@ -18,11 +18,6 @@ namespace {
 
 constexpr std::string_view kFisheye = "fisheye", kOmnidir = "omnidir";
 
-std::string matrix_text(const char* key, int rows, int columns, const std::vector<double>& data) {
-  return fmt::format("{}: !!opencv-matrix\n   rows: {}\n   cols: {}\n   dt: d\n   data: {}\n", key, rows, columns,
-                     list_text(data));
-}
-
 std::vector<NamedText> write(const ForeignFormat&, const std::vector<ForeignCamera>& rig) {
   std::vector<NamedText> files;
   for (const auto& [rig_camera, lens] : rig) {
@@ -35,14 +30,15 @@ std::vector<NamedText> write(const ForeignFormat&, const std::vector<ForeignCame
       text += "xi: " + real_text(values.front()) + "\n";
       values.erase(values.begin());
     }
-    text += matrix_text("camera_matrix", 3, 3, {camera.fx(), 0, camera.cx(), 0, camera.fy(), camera.cy(), 0, 0, 1});
+    text +=
+        opencv_matrix_text("camera_matrix", 3, 3, {camera.fx(), 0, camera.cx(), 0, camera.fy(), camera.cy(), 0, 0, 1});
     const std::vector<double> coefficients(values.begin() + 4, values.end());
-    text += matrix_text("distortion_coefficients", static_cast<int>(coefficients.size()), 1, coefficients);
-    const Rigid3 camera_from_first = rig_camera.camera_from_rig * rig[0].camera.camera_from_rig.inverse();
-    const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rotation = camera_from_first.rotation.toRotationMatrix();
-    const Eigen::Vector3d& place = camera_from_first.translation;
-    text += matrix_text("R", 3, 3, {rotation.data(), rotation.data() + 9});
-    text += matrix_text("T", 3, 1, {place.data(), place.data() + 3});
+    text += opencv_matrix_text("distortion_coefficients", static_cast<int>(coefficients.size()), 1, coefficients);
+    const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rotation =
+        rig_camera.camera_from_rig.rotation.toRotationMatrix();
+    const Eigen::Vector3d& place = rig_camera.camera_from_rig.translation;
+    text += opencv_matrix_text("R", 3, 3, {rotation.data(), rotation.data() + 9});
+    text += opencv_matrix_text("T", 3, 1, {place.data(), place.data() + 3});
     files.push_back({file_stem(rig_camera.name) + ".yml", text});
   }
   return files;

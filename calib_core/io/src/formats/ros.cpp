@@ -59,7 +59,7 @@ std::string urdf(const std::vector<ForeignCamera>& rig) {
     text += fmt::format("  <link name=\"{}_optical_frame\"/>\n", in_xml(camera.name));
   }
   for (std::size_t i = 1; i < rig.size(); ++i) {
-    const Rigid3 first_from_camera = rig[0].camera.camera_from_rig * rig[i].camera.camera_from_rig.inverse();
+    const Rigid3 first_from_camera = rig[i].camera.camera_from_rig.inverse();
     const Eigen::Vector3d angles = roll_pitch_yaw(first_from_camera.rotation.toRotationMatrix());
     const Eigen::Vector3d& place = first_from_camera.translation;
     text += fmt::format(

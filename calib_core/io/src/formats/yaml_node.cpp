@@ -5,15 +5,15 @@
 #include <cmath>
 #include <set>
 
+#include "../image_side.hpp"
 #include "raybundle/geometry/error.hpp"
-#include "raybundle/geometry/rotation.hpp"
+#include "raybundle/geometry/rigid3_matrix.hpp"
 #include "raybundle/scene/csv.hpp"
 #include "raybundle/scene/number.hpp"
 
 namespace raybundle {
 namespace {
 
-constexpr int kMaxImageSide = 1'000'000;  // [px]; beyond that a width is a mistake
 constexpr const char* kOpenCvHead = "%YAML:1.0";
 
 std::string place(const std::string& file, const YAML::Mark& mark) {
@@ -125,13 +125,13 @@ void YamlNode::fail(const std::string& message) const {
 }
 
 ImageSize image_size_from(const YamlNode& width, const YamlNode& height) {
-  return {width.whole_number(1, kMaxImageSide), height.whole_number(1, kMaxImageSide)};
+  return {width.whole_number(1, kMaxImageSide_px), height.whole_number(1, kMaxImageSide_px)};
 }
 
 ImageSize image_size_from(const YamlNode& width_and_height) {
   const std::vector<double> size = width_and_height.numbers(2);
   for (const double side : size) {
-    if (side != std::floor(side) || side < 1 || side > kMaxImageSide) {
+    if (side != std::floor(side) || side < 1 || side > kMaxImageSide_px) {
       width_and_height.fail("must be a width and a height in pixels");
     }
   }
@@ -140,11 +140,9 @@ ImageSize image_size_from(const YamlNode& width_and_height) {
 
 Rigid3 rigid3_from(const YamlNode& node, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation) {
   constexpr double kRounding = 1e-3;  // of a matrix that was written with four digits
-  if (!((rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).norm() < kRounding) ||
-      !(rotation.determinant() > 0)) {
-    node.fail("is not a rotation; correct it");
-  }
-  return {Eigen::Quaterniond(nearest_rotation(rotation)).normalized(), translation};
+  const auto transform = rigid3_from_matrix(rotation, translation, kRounding);
+  if (!transform) node.fail("is not a rotation; correct it");
+  return *transform;
 }
 
 }  // namespace raybundle

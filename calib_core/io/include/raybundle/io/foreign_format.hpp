@@ -42,6 +42,7 @@ struct ForeignFormat {
   bool holds_extrinsics;  ///< whether `read` finds where the cameras stand
   std::vector<ForeignLens> lenses;
   bool (*recognises)(std::string_view text);  ///< whether a file looks like one of this format
+  /// The rig frame is that of the first camera.
   std::vector<NamedText> (*write)(const ForeignFormat& format, const std::vector<ForeignCamera>& rig);
   std::vector<RigCamera> (*read)(const ForeignFormat& format, std::span<const NamedText> files);
   /// Whether the program takes a camera of that lens: some refuse values; nullptr: it takes all.
