@@ -39,9 +39,11 @@ std::vector<std::vector<CachedFrame>> detect_files(const Dataset& dataset, const
   std::vector<ImageFile> todo;
   std::vector<std::size_t> index;
   for (std::size_t i = 0; i < files.size(); ++i) {
-    keys[i] = cache_key(sha256_of_file(files[i].path), boards);
     std::optional<std::vector<CachedFrame>> cached;
-    if (options.use_cache) cached = read_cached(keys[i], boards);
+    if (options.use_cache) {
+      keys[i] = cache_key(sha256_of_file(files[i].path), boards);
+      cached = read_cached(keys[i], boards);
+    }
     if (cached) {
       found[i] = std::move(*cached);
       if (!files[i].video && found[i].size() == 1) found[i][0].frame = files[i].frame;  // the name is not the content

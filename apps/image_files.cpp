@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 #include <glob.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -14,6 +15,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
+#include <optional>
+#include <string_view>
 
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/threads.hpp"
@@ -80,28 +83,46 @@ std::vector<std::string> glob_files(const std::string& pattern) {
                                           count == 0 ? "nothing" : fmt::format("{} files such as {}", count, some)));
 }
 
-// JPEG and PNG say where they end; decoders fill what is missing with grey and go on.
-bool truncated(const std::string& path) {
+// Nothing when the file cannot be read.
+std::optional<std::string> bytes_of(const std::string& path) {
   std::ifstream file(path, std::ios::binary | std::ios::ate);
-  std::string bytes(file ? static_cast<std::size_t>(std::max<std::streamoff>(0, file.tellg())) : 0, '\0');
+  if (!file) return std::nullopt;
+  std::string bytes(static_cast<std::size_t>(std::max<std::streamoff>(0, file.tellg())), '\0');
   file.seekg(0);
-  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  const std::string tail = bytes.size() > 64 ? bytes.substr(bytes.size() - 64) : bytes;
-  if (bytes.starts_with("\xff\xd8")) return bytes.rfind("\xff\xd9") == std::string::npos;
-  if (bytes.starts_with("\x89PNG")) return tail.find("IEND") == std::string::npos;
+  if (!file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) return std::nullopt;
+  return bytes;
+}
+
+// JPEG and PNG say where they end; decoders fill what is missing with grey and go on.
+bool truncated(std::string_view bytes) {
+  const std::string_view tail = bytes.substr(bytes.size() - std::min<std::size_t>(64, bytes.size()));
+  if (bytes.starts_with("\xff\xd8")) return bytes.rfind("\xff\xd9") == std::string_view::npos;
+  if (bytes.starts_with("\x89PNG")) return tail.find("IEND") == std::string_view::npos;
   return false;
 }
 
 // OpenCV throws at some damaged files and says of others that they are empty; only lack of memory is no fault of
 // theirs.
-cv::Mat decoded(const std::string& path, std::string& reason) try {
-  cv::Mat image = cv::imread(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
+cv::Mat decoded(std::string& bytes, std::string& reason) try {
+  cv::Mat image;
+  if (!bytes.empty()) {
+    image = cv::imdecode(cv::Mat(1, static_cast<int>(bytes.size()), CV_8U, bytes.data()),
+                         cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
+  }
   if (image.empty()) reason = "not an image that can be decoded";
   return image;
 } catch (const cv::Exception& error) {
   if (error.code == cv::Error::StsNoMem) throw;
   reason = "the image file is damaged, or too large to be read";
   return {};
+}
+
+// What one image gives back the next one takes. Otherwise the C library hands it to the system and asks for it again,
+// page by page, which costs as much as a tenth of finding a board.
+void keep_freed_memory() {
+  constexpr int kLargeBlock = 64 << 20, kSpare = 256 << 20;  // [bytes]
+  mallopt(M_MMAP_THRESHOLD, kLargeBlock);
+  mallopt(M_TRIM_THRESHOLD, kSpare);
 }
 
 // The same grey values in 8 or 16 bits; those of floating point may run to 1, as is the custom, or to what integers do.
@@ -236,11 +257,16 @@ void refuse_shared_images(const std::vector<ImageFile>& files, const std::vector
 }
 
 cv::Mat read_gray(const std::string& path, std::string& reason) {
-  if (truncated(path)) {
+  std::optional<std::string> bytes = bytes_of(path);
+  if (!bytes) {
+    reason = "the image file cannot be read; check its permissions";
+    return {};
+  }
+  if (truncated(*bytes)) {
     reason = "the image file is truncated";
     return {};
   }
-  cv::Mat image = decoded(path, reason);
+  cv::Mat image = decoded(*bytes, reason);
   return image.empty() ? image : in_whole_numbers(image);
 }
 
@@ -272,6 +298,7 @@ std::vector<std::string> for_each_frame(
   std::vector<std::string> reasons(files.size());
   Progress progress(what, static_cast<int>(files.size()));
   std::mutex guard;
+  keep_freed_memory();
   if (threads > 1) cv::setNumThreads(1);  // one image a thread: OpenCV's own threads would only be in the way
   for_each_index(files.size(), threads, [&](std::size_t i) {
     reasons[i] = for_each_frame(files[i], [&](const cv::Mat& gray, const std::string& frame) { use(i, gray, frame); });

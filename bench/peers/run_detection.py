@@ -127,7 +127,8 @@ def raybundle(build, images, target):
         output = pathlib.Path(folder) / "observations.json"
         command = [build / "raybundle", "detect", "--target", target, "--camera", f"camera={listed}/*", "--threads",
                    str(WORKERS), "--no-cache", "-o", output]
-        start_wall, start_cpu, _ = timed([str(build / "raybundle"), "--version"])
+        starts = [timed([str(build / "raybundle"), "--version"])[:2] for _ in range(3)]  # the first may wait for the disk
+        start_wall, start_cpu = min(wall for wall, _ in starts), min(cpu for _, cpu in starts)
         wall, cpu, done = timed([str(word) for word in command])
         wall, cpu = wall - start_wall, cpu - start_cpu
         if not output.exists():
@@ -214,9 +215,10 @@ def main():
         seen = lambda figures: sum(count > 0 for count in figures[3])
         peer = max((label for label in best if label != "raybundle detect"), key=lambda l: (seen(best[l]), -best[l][1]))
         faster = best[peer][1] / ours[1]
-        passed = faster >= 2 and seen(ours) > seen(best[peer])
+        more = seen(ours) > seen(best[peer]) or seen(ours) == len(images)
+        passed = faster >= 2 and more
         verdicts.append(f"- {'passed' if passed else 'FAILED'}: {name}: {faster:.2f}× the images per second of processor time of the "
-                        f"detector that finds most ({peer}), bar 2×; found {seen(ours)}, it {seen(best[peer])}, bar: more")
+                        f"detector that finds most ({peer}), bar 2×; found {seen(ours)}, it {seen(best[peer])}, bar: more, or all")
     (WORK / "detection.md").write_text("\n".join([*lines, "", *verdicts, ""]))
     print("\n".join(verdicts))
 

@@ -50,10 +50,10 @@ std::optional<Eigen::Vector2d> predicted_on_lattice(const Lattice& lattice, Latt
 /// Refines a corner where the lattice expects it; nothing when there is no saddle of the lattice's orientation,
 /// polarity and contrast within a fraction of a square.
 ///
-/// @param longest_half  [px] as in SaddleWindow: small to look, large to measure
-/// @param known         an earlier fit of this corner, when there is one
+/// @param rough  as in SaddleWindow: to look, not to measure
+/// @param known  an earlier fit of this corner, when there is one
 std::optional<Saddle> refined_on_lattice(const cv::Mat& gray, const Lattice& lattice, LatticePlace place,
-                                         const Eigen::Vector2d& start, double longest_half = 11.0,
+                                         const Eigen::Vector2d& start, bool rough = false,
                                          const Saddle* known = nullptr);
 
 /// Refines all corners, drops those that are not corners, then adds missing ones while neighbours predict them.

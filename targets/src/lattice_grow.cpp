@@ -11,8 +11,6 @@
 namespace raybundle {
 namespace {
 
-constexpr double kLook_px = 6.0;  // half-window while the lattice grows: a third of the work of the last refinement
-
 constexpr std::array<LatticePlace, 4> kSides{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
 
 LatticePlace moved(LatticePlace place, LatticePlace by, int times = 1) {
@@ -107,12 +105,12 @@ double typical_contrast(const Lattice& lattice, LatticePlace place) {
 
 /// Refines every corner against the present lattice and drops the ones that fail.
 ///
-/// @param fitted  corners come from fits already, not from candidates
-void refine_all(const cv::Mat& gray, Lattice& lattice, double longest_half, bool fitted) {
+/// @param rough  corners come from candidates, and will be refined again; otherwise they come from fits
+void refine_all(const cv::Mat& gray, Lattice& lattice, bool rough) {
   Lattice refined;
   for (const auto& [place, saddle] : lattice) {
-    const Saddle* known = fitted ? &saddle : nullptr;
-    if (const auto better = refined_on_lattice(gray, lattice, place, saddle.pixel, longest_half, known))
+    const Saddle* known = rough ? nullptr : &saddle;
+    if (const auto better = refined_on_lattice(gray, lattice, place, saddle.pixel, rough, known))
       refined.emplace(place, *better);
   }
   lattice = std::move(refined);
@@ -221,10 +219,10 @@ std::optional<Eigen::Vector2d> predicted_on_lattice(const Lattice& lattice, Latt
 }
 
 std::optional<Saddle> refined_on_lattice(const cv::Mat& gray, const Lattice& lattice, LatticePlace place,
-                                         const Eigen::Vector2d& start, double longest_half, const Saddle* known) {
+                                         const Eigen::Vector2d& start, bool rough, const Saddle* known) {
   auto window = window_on_lattice(lattice, place, start);
   if (!window) return std::nullopt;
-  window->longest_half = longest_half;
+  window->rough = rough;
   window->known = known;
   window->doubtful = known == nullptr;
   const auto saddle = refine_saddle(gray, start, *window);
@@ -235,7 +233,7 @@ std::optional<Saddle> refined_on_lattice(const cv::Mat& gray, const Lattice& lat
 }
 
 void grow_lattice(const cv::Mat& gray, Lattice& lattice, int longest) {
-  refine_all(gray, lattice, kLook_px, false);
+  refine_all(gray, lattice, true);
   std::map<LatticePlace, std::size_t> tried;  // with how many corners around
   bool again = false;                         // places that failed are tried again when nothing else is left to do
   while (!lattice.empty()) {
@@ -258,7 +256,7 @@ void grow_lattice(const cv::Mat& gray, Lattice& lattice, int longest) {
       tried[place] = around;
       const auto start = predicted_on_lattice(lattice, place);
       if (!start) continue;
-      const auto saddle = refined_on_lattice(gray, lattice, place, *start, kLook_px);
+      const auto saddle = refined_on_lattice(gray, lattice, place, *start, true);
       if (!saddle) continue;
       lattice.emplace(place, *saddle);
       ++added;
@@ -267,7 +265,7 @@ void grow_lattice(const cv::Mat& gray, Lattice& lattice, int longest) {
     again = added == 0;
   }
   drop_unsupported(gray, lattice);
-  refine_all(gray, lattice, SaddleWindow{}.longest_half, true);
+  refine_all(gray, lattice, false);
   drop_outliers(lattice);
 }
 

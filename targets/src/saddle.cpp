@@ -22,8 +22,8 @@ struct Shape {
   int stride = 1;      // [px] between samples: large windows for far starts
   double half_px = 0;  // the shortest half-width
   SaddleBends bends;
-  const Saddle* known = nullptr;  // an earlier fit
-  bool doubtful = false;          // as SaddleWindow
+  const Saddle* known = nullptr;         // an earlier fit
+  bool doubtful = false, rough = false;  // as SaddleWindow
 };
 
 void take_samples(const cv::Mat& gray, const Eigen::Vector2d& centre, const Shape& shape, SaddleSamples& samples) {
@@ -92,9 +92,9 @@ Saddle saddle_of(const SaddleFit& fit, const Eigen::Vector2d& start, int samples
   saddle.contrast = 2 * std::abs(parameters[kAmplitude]);
   saddle.blur_px = std::exp(parameters[kLogBlur]);
   const double mean_square = fit.squares / fit.weights;
-  saddle.misfit = std::sqrt(mean_square) / std::max(saddle.contrast, 1e-6);
-
   const double spare = std::max(0.2, 1.0 - static_cast<double>(kSaddleParameters) / samples);
+  saddle.misfit = std::sqrt(mean_square / spare) / std::max(saddle.contrast, 1e-6);
+
   const double variance_grey = mean_square / spare + 1.0 / 12;  // never below the rounding to whole grey values
   // What the fit's own residuals do not show: the pixel grid, and the print and a blur that is not as Gaussian as the
   // model's. On real boards corners scatter about their neighbours by .04 of the blur, whether it is .4 or 1.4 px.
@@ -134,10 +134,10 @@ double alternation(const SaddleSamples& samples, const SaddleVector& parameters,
   return least / std::max(1e-6, 0.5 * sign * (bright[0] + bright[1] - dark[0] - dark[1]));
 }
 
-/// Where a fit is worth its time. Most fits fail, beyond the board's rim, and take longest: a corner that is as far off
-/// as it may be still has sectors that alternate.
+/// Where a fit is worth its time. Beyond the board's rim most fits fail, and those take longest.
 bool worth_a_fit(const SaddleSamples& samples, const SaddleVector& parameters, double half_px) {
-  return alternation(samples, parameters, 0.3 * half_px) > 0;
+  constexpr double kLeastAlternation = 0.15;  // left of a corner that is a third of the half-window off
+  return alternation(samples, parameters, 0.3 * half_px) > kLeastAlternation;
 }
 
 bool convincing(const Saddle& saddle, const Eigen::Vector2d& start, const Shape& shape) {
@@ -171,6 +171,7 @@ std::optional<Saddle> fitted(const cv::Mat& gray, const Eigen::Vector2d& start, 
                              double angle_b, double angle_sigma) {
   Eigen::Vector2d centre = start;
   SaddleVector parameters = start_parameters(shape, angle_a, angle_b);
+  const double centred = shape.rough ? 0.25 : 0.05;  // half-windows that the corner may lie off the centre
   SaddleWork work;
   SaddleSamples& samples = work.samples;
   for (int round = 0;; ++round) {
@@ -192,11 +193,11 @@ std::optional<Saddle> fitted(const cv::Mat& gray, const Eigen::Vector2d& start, 
     expect(kTone, 0, 0.5 * amplitude);
     expect(kShadeX, 0, 0.3 * amplitude / shape.half_px);
     expect(kShadeY, 0, 0.3 * amplitude / shape.half_px);
-    const SaddleFit fit = minimise_saddle(work, parameters, priors, shape.bends, shape.window_from_pixel);
+    const SaddleFit fit = minimise_saddle(work, parameters, priors, shape.bends, shape.window_from_pixel, shape.rough);
     const Eigen::Vector2d moved = fit.parameters.head<2>();
     if (!moved.allFinite()) return std::nullopt;
     const Saddle saddle = saddle_of(fit, centre, samples.size);
-    if (round >= 2 || (shape.window_from_pixel * moved).cwiseAbs().maxCoeff() < 0.05) {
+    if (round >= 2 || (shape.window_from_pixel * moved).cwiseAbs().maxCoeff() < centred) {
       // At the outer corner of a dark square three sectors are bright, and a fit alone can make up for that.
       constexpr double kLeastAlternation = 0.35;
       const bool good =
@@ -239,7 +240,10 @@ std::optional<Saddle> refine_saddle(const cv::Mat& gray, const Eigen::Vector2d& 
   const double length_y = window.half_y.norm();
   const double cross = window.half_x.x() * window.half_y.y() - window.half_x.y() * window.half_y.x();
   if (!(length_x > 0.8 && length_y > 0.8 && std::abs(cross) > 0.1 * length_x * length_y)) return std::nullopt;
-  const auto fit = [&](const Eigen::Vector2d& from, double longest, int stride) {
+  // Larger windows cost time and bring the lens's curvature, not accuracy; rough ones are a third of the work.
+  const double longest_half = window.rough ? 6.0 : 11.0;
+  const auto fit = [&](const Eigen::Vector2d& from, int stride) {
+    const double longest = stride * longest_half;
     Eigen::Matrix2d pixel_from_window;
     pixel_from_window.col(0) = window.half_x * std::min(1.0, longest / length_x);
     pixel_from_window.col(1) = window.half_y * std::min(1.0, longest / length_y);
@@ -250,16 +254,17 @@ std::optional<Saddle> refine_saddle(const cv::Mat& gray, const Eigen::Vector2d& 
     shape.bends = {window.bend_x, window.bend_y};
     shape.known = window.known;
     shape.doubtful = window.doubtful;
+    shape.rough = window.rough;
     const double angle_x = std::atan2(window.half_x.y(), window.half_x.x());
     const double angle_y = std::atan2(window.half_y.y(), window.half_y.x());
     return fitted(gray, from, shape, angle_x, angle_y, 0.2);
   };
-  auto saddle = fit(start, window.longest_half, 1);
-  if (saddle || std::max(length_x, length_y) < 1.3 * window.longest_half) return saddle;
+  auto saddle = fit(start, 1);
+  if (saddle || std::max(length_x, length_y) < 1.3 * longest_half) return saddle;
   // The cut window may have missed the corner: look further, with as many samples.
   constexpr int kFurther = 5;
-  const auto coarse = fit(start, kFurther * window.longest_half, kFurther);
-  return coarse ? fit(coarse->pixel, window.longest_half, 1) : std::nullopt;
+  const auto coarse = fit(start, kFurther);
+  return coarse ? fit(coarse->pixel, 1) : std::nullopt;
 }
 
 }  // namespace raybundle

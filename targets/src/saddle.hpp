@@ -27,10 +27,9 @@ struct SaddleWindow {
   Eigen::Vector2d half_y = Eigen::Vector2d::UnitY();  ///< [px] half-side along the other edge
   double bend_x = 0.0;  ///< [1/px] curvature of the edge along half_x, positive towards half_x turned clockwise
   double bend_y = 0.0;  ///< [1/px] the same for the edge along half_y
-  /// [px] half-sides are cut to this: larger windows cost time and bring the lens's curvature, not accuracy
-  double longest_half = 11.0;
   const Saddle* known = nullptr;  ///< an earlier fit of this corner: where to start
   bool doubtful = false;          ///< perhaps there is no corner at all: look before fitting
+  bool rough = false;             ///< a tenth of a pixel will do, because another fit follows
 };
 
 /// Refines a saddle near `start`, or finds that there is none.

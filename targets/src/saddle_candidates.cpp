@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "saddle.hpp"
 
@@ -24,11 +25,22 @@ void saddle_strength(const cv::Mat& blurred, cv::Mat& strength) {
     const uchar* below = blurred.ptr<uchar>(y + 2);
     float* out = strength.ptr<float>(y);
     for (int x = 2; x < blurred.cols - 2; ++x) {
-      const int xx = here[x - 2] + here[x + 2] - 2 * here[x];
-      const int yy = above[x] + below[x] - 2 * here[x];
-      const int xy4 = above[x - 2] + below[x + 2] - above[x + 2] - below[x - 2];
-      out[x] = static_cast<float>(xy4 * xy4) * 0.0625F - static_cast<float>(xx * yy);
+      const auto xx = static_cast<float>(here[x - 2] + here[x + 2] - 2 * here[x]);
+      const auto yy = static_cast<float>(above[x] + below[x] - 2 * here[x]);
+      const auto xy4 = static_cast<float>(above[x - 2] + below[x + 2] - above[x + 2] - below[x - 2]);
+      out[x] = xy4 * xy4 * 0.0625F - xx * yy;
     }
+  }
+}
+
+/// Marks where a row is at least `weakest` and nowhere below its four neighbours: most of the image is not.
+void mark_high(const cv::Mat& strength, int y, float weakest, std::vector<std::uint8_t>& high) {
+  const float *above = strength.ptr<float>(y - 1), *here = strength.ptr<float>(y), *below = strength.ptr<float>(y + 1);
+  std::uint8_t* out = high.data();
+#pragma GCC ivdep
+  for (int x = kMargin; x < strength.cols - kMargin; ++x) {
+    out[x] = static_cast<std::uint8_t>((here[x] >= weakest) & (here[x] >= here[x - 1]) & (here[x] >= here[x + 1]) &
+                                       (here[x] >= above[x]) & (here[x] >= below[x]));
   }
 }
 
@@ -44,8 +56,8 @@ bool is_peak(const cv::Mat& strength, int x, int y) {
   return true;
 }
 
-/// Stationary point of the quadric through the neighbourhood; the pixel itself when that lies elsewhere.
-Eigen::Vector2d stationary_point(const cv::Mat& blurred, int x, int y) {
+/// Saddle point of the quadric through the neighbourhood; nothing when that lies elsewhere, as on edges.
+std::optional<Eigen::Vector2d> stationary_point(const cv::Mat& blurred, int x, int y) {
   const auto at = [&](int dx, int dy) { return static_cast<double>(blurred.at<uchar>(y + dy, x + dx)); };
   const double gx = (at(2, 0) - at(-2, 0)) / 4;
   const double gy = (at(0, 2) - at(0, -2)) / 4;
@@ -53,10 +65,11 @@ Eigen::Vector2d stationary_point(const cv::Mat& blurred, int x, int y) {
   const double yy = (at(0, 2) + at(0, -2) - 2 * at(0, 0)) / 4;
   const double xy = (at(2, 2) + at(-2, -2) - at(2, -2) - at(-2, 2)) / 16;
   const double determinant = xx * yy - xy * xy;
-  Eigen::Vector2d pixel(x, y);
-  if (determinant > -1e-6) return pixel;
+  if (determinant > -1e-6) return std::nullopt;
   const Eigen::Vector2d move((-yy * gx + xy * gy) / determinant, (xy * gx - xx * gy) / determinant);
-  return move.cwiseAbs().maxCoeff() < 1.5 ? pixel + move : pixel;
+  constexpr double kFarthest_px = 1.5;
+  if (move.cwiseAbs().maxCoeff() > kFarthest_px) return std::nullopt;
+  return Eigen::Vector2d(x, y) + move;
 }
 
 }  // namespace
@@ -66,23 +79,26 @@ std::vector<SaddleCandidate> saddle_candidates(const cv::Mat& blurred) {
   cv::Mat strength;
   saddle_strength(blurred, strength);
   std::vector<std::pair<float, SaddleCandidate>> found;
+  std::vector<std::uint8_t> high(static_cast<std::size_t>(blurred.cols), 0);
   for (int y = kMargin; y < blurred.rows - kMargin; ++y) {
-    const float* row = strength.ptr<float>(y);
-    for (int x = kMargin; x < blurred.cols - kMargin; ++x) {
-      if (row[x] < kWeakest || row[x] < row[x - 1] || row[x] < row[x + 1] || !is_peak(strength, x, y)) continue;
-      const Eigen::Vector2d pixel = stationary_point(blurred, x, y);
+    mark_high(strength, y, kWeakest, high);
+    for (auto at = high.begin(); (at = std::find(at, high.end(), 1)) != high.end(); ++at) {
+      const int x = static_cast<int>(at - high.begin());
+      if (!is_peak(strength, x, y)) continue;
+      const auto pixel = stationary_point(blurred, x, y);
+      if (!pixel) continue;
       std::optional<SaddleRing> ring;
       for (const double radius : {4.0, 2.5}) {
-        if ((ring = saddle_ring(blurred, pixel, radius))) break;
+        if ((ring = saddle_ring(blurred, *pixel, radius))) break;
       }
       if (!ring) continue;
       SaddleCandidate candidate;
-      candidate.pixel = pixel.cast<float>();
+      candidate.pixel = pixel->cast<float>();
       const Eigen::Vector2d a(std::cos(ring->angle_a), std::sin(ring->angle_a));
       const Eigen::Vector2d b(std::cos(ring->angle_b), std::sin(ring->angle_b));
       candidate.rays = {a.cast<float>(), b.cast<float>(), -a.cast<float>(), -b.cast<float>()};
       candidate.contrast = static_cast<float>(ring->contrast);
-      found.emplace_back(row[x], candidate);
+      found.emplace_back(strength.at<float>(y, x), candidate);
     }
   }
   std::ranges::stable_sort(found, std::greater<>(), &std::pair<float, SaddleCandidate>::first);

@@ -76,29 +76,38 @@ double position_variance(const SaddleWork& work, const SaddleMatrix& information
 }  // namespace
 
 SaddleFit minimise_saddle(SaddleWork& work, const SaddleVector& start, const SaddlePriors& priors,
-                          const SaddleBends& bends, const Eigen::Matrix2d& window_from_pixel) {
+                          const SaddleBends& bends, const Eigen::Matrix2d& window_from_pixel, bool rough) {
   State best = evaluated(work, start, priors, bends);
   constexpr double kFarthest = 1.5;  // half-windows: a step may overshoot
+  constexpr double kSettled = 1e-3;  // of the cost that is left
+  const double settled_px = rough ? 0.05 : 0.004;
+  const int most_iterations = rough ? 10 : 15;
   double damping = 1e-3;
-  for (int iteration = 0; iteration < 15; ++iteration) {
+  bool rows_are_best = true;
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
     SaddleVector step = Factor(best.information, damping).solve(best.gradient);
     if (!step.allFinite()) break;
     step[kLogBlur] = std::clamp(step[kLogBlur], -0.7, 0.7);
-    const double move = step.head<2>().norm();
+    // The last step is taken without a look at where it leads.
+    if (step.head<2>().norm() < settled_px && step.dot(best.gradient) < kSettled * best.cost) {
+      best.parameters += step;
+      break;
+    }
     const State next = evaluated(work, best.parameters + step, priors, bends);
     const bool better = next.cost < best.cost;
-    const bool settled = best.cost - next.cost < 1e-3 * best.cost && move < 4e-3;
     if (better) best = next;
-    if (settled || (window_from_pixel * best.parameters.head<2>()).cwiseAbs().maxCoeff() > kFarthest) break;
+    rows_are_best = better;
+    if ((window_from_pixel * best.parameters.head<2>()).cwiseAbs().maxCoeff() > kFarthest) break;
     damping = better ? 0.2 * damping : 10 * damping;
     if (damping > 1e4) break;
   }
+  if (!rows_are_best) evaluated(work, best.parameters, priors, bends);
   SaddleFit fit;
   fit.parameters = best.parameters;
   fit.squares = best.squares;
   const SaddleSamples& samples = work.samples;
   for (int i = 0; i < samples.size; ++i) fit.weights += samples.root_weight[i] * samples.root_weight[i];
-  // The rows are of the last step that was tried: next to the best one, which is good enough for a covariance.
+  // The rows may be those before the last step: next to the best, which is good enough for a covariance.
   fit.variance_px2 = position_variance(work, best.information);
   return fit;
 }
