@@ -21,8 +21,8 @@ struct Link {
 using Links = std::vector<std::array<Link, 4>>;
 
 float grey_at(const cv::Mat& image, const Eigen::Vector2f& pixel) {
-  const int x = std::clamp(static_cast<int>(pixel.x() + 0.5F), 0, image.cols - 1);
-  const int y = std::clamp(static_cast<int>(pixel.y() + 0.5F), 0, image.rows - 1);
+  const int x = std::clamp(cvRound(pixel.x()), 0, image.cols - 1);
+  const int y = std::clamp(cvRound(pixel.y()), 0, image.rows - 1);
   return static_cast<float>(image.at<uchar>(y, x));
 }
 
@@ -43,9 +43,8 @@ struct Places {
     const float from_x = from.pixel.x(), from_y = from.pixel.y();
     const float a_x = from.rays[0].x(), a_y = from.rays[0].y(), b_x = from.rays[1].x(), b_y = from.rays[1].y();
     const float *all_x = x.data(), *all_y = y.data();
-    std::uint8_t* out = along.data();
+    std::uint8_t* __restrict out = along.data();
     const std::size_t count = along.size();
-#pragma GCC ivdep
     for (std::size_t j = begin; j < count; ++j) {
       const float way_x = all_x[j] - from_x, way_y = all_y[j] - from_y;
       const float along_a = a_x * way_x + a_y * way_y, along_b = b_x * way_x + b_y * way_y;

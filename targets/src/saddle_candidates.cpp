@@ -36,8 +36,7 @@ void saddle_strength(const cv::Mat& blurred, cv::Mat& strength) {
 /// Marks where a row is at least `weakest` and nowhere below its four neighbours: most of the image is not.
 void mark_high(const cv::Mat& strength, int y, float weakest, std::vector<std::uint8_t>& high) {
   const float *above = strength.ptr<float>(y - 1), *here = strength.ptr<float>(y), *below = strength.ptr<float>(y + 1);
-  std::uint8_t* out = high.data();
-#pragma GCC ivdep
+  std::uint8_t* __restrict out = high.data();
   for (int x = kMargin; x < strength.cols - kMargin; ++x) {
     out[x] = static_cast<std::uint8_t>((here[x] >= weakest) & (here[x] >= here[x - 1]) & (here[x] >= here[x + 1]) &
                                        (here[x] >= above[x]) & (here[x] >= below[x]));
