@@ -188,7 +188,7 @@ def main():
         f"`./dev bench detection`: two workers on two cores, from image files to corners; the best of {options.repetitions} runs in "
         "turn. Images per second of wall time and of processor time (two workers: up to twice that), both without the start of "
         "program or interpreter; memory of all workers, images in which the board was found, corners. OpenCV is PyPI's "
-        f"{cv2.__version__}; Debian's stands below.",
+        f"{cv2.__version__}; Debian's stands above.",
         "",
         "| images | detector | images/s | images/cpu s | MB | found | corners |",
         "|---|---|---|---|---|---|---|",

@@ -8,6 +8,17 @@
 #include <cmath>
 
 namespace raybundle {
+namespace {
+
+template <CameraModel M>
+bool reaches(const double* shape, double angle) {
+  if constexpr (requires { M::grows_up_to(shape, angle); }) {
+    if (M::grows_up_to(shape, angle)) return true;
+  }
+  return angle <= M::max_angle_rad(shape);
+}
+
+}  // namespace
 
 std::optional<ModelId> model_named(std::string_view name) {
   const std::vector<std::string_view> names = model_names();
@@ -55,7 +66,7 @@ std::optional<Eigen::Vector2d> pixel_from_ray(const Camera& camera, const Eigen:
   return with_model(camera.model, [&]<CameraModel M>() -> std::optional<Eigen::Vector2d> {
     assert(camera.parameters.size() == kParameterCount<M>);
     const double angle = std::atan2(ray_in_camera.head<2>().norm(), ray_in_camera.z());
-    if (!(angle <= M::max_angle_rad(camera.parameters.data() + 4))) return std::nullopt;
+    if (!reaches<M>(camera.parameters.data() + 4, angle)) return std::nullopt;
     Eigen::Vector2d pixel;
     if (!pixel_from_ray<M>(camera.parameters.data(), ray_in_camera.data(), pixel.data())) return std::nullopt;
     return pixel;

@@ -59,6 +59,10 @@ struct ExampleShape {
 /// static double max_angle_rad(const double* shape);
 ///                           half-angle up to which the radial profile is increasing (the model is injective), at
 ///                           most pi
+///
+/// static bool grows_up_to(const double* shape, double angle);
+///                           only where max_angle_rad takes a search: whether the profile is increasing up to the
+///                           angle; quick, and false when that is not plain
 /// ```
 template <typename M>
 concept CameraModel = requires(const double* shape, const double* in, double* out, const Lanes* four, Lanes* of_four) {

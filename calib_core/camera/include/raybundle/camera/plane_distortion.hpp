@@ -127,30 +127,46 @@ struct PlaneDistortion {
 
   /// Radius up to which the denominator is positive; may be infinite.
   static double pole_radius(const double* k) requires kHasDenominator {
-    return radius_at(first_root(bernstein_to_infinity(std::array<double, 4>{1.0, k[5], k[6], k[7]})));
+    return radius_at(first_root(bernstein_to_infinity(denominator_in_squares(k))));
   }
 
   /// Radius up to which the radial profile r s(r) increases and its denominator is positive; may be infinite.
   static double max_radius(const double* k) {
-    double root;  // in v = r² / (1 + r²)
+    double root = first_root(bernstein_to_infinity(slope_in_squares(k)));  // in v = r² / (1 + r²)
+    if constexpr (kHasDenominator) root = std::min(root, first_root(bernstein_to_infinity(denominator_in_squares(k))));
+    return radius_at(root);
+  }
+
+  /// Whether the profile increases up to r²; quick, and false when that is not plain.
+  static bool grows_up_to_square(const double* k, double r2) {
+    if constexpr (kHasDenominator) {
+      if (!all_positive(bernstein_to_limit(denominator_in_squares(k), r2))) return false;
+    }
+    return all_positive(bernstein_to_limit(slope_in_squares(k), r2));
+  }
+
+ private:
+  static std::array<double, 4> denominator_in_squares(const double* k) requires kHasDenominator {
+    return {1.0, k[5], k[6], k[7]};
+  }
+
+  /// The profile's slope in powers of r², times the denominator squared.
+  static auto slope_in_squares(const double* k) {
     if constexpr (kHasDenominator) {
       const std::array<double, 4> above{1.0, k[0], k[1], k[4]};
-      const std::array<double, 4> below{1.0, k[5], k[6], k[7]};
-      std::array<double, 7> slope{};  // of the profile, times the denominator squared, in powers of r²
+      const std::array<double, 4> below = denominator_in_squares(k);
+      std::array<double, 7> slope{};
       for (std::size_t i = 0; i < 4; ++i) {
         for (std::size_t j = 0; j < 4; ++j) {
           slope[i + j] += (1.0 + 2.0 * static_cast<double>(i) - 2.0 * static_cast<double>(j)) * above[i] * below[j];
         }
       }
-      root = std::min(first_root(bernstein_to_infinity(slope)), first_root(bernstein_to_infinity(below)));
+      return slope;
     } else {
-      const std::array<double, 4> slope{1.0, 3.0 * k[0], 5.0 * k[1], 7.0 * k3(k)};
-      root = first_root(bernstein_to_infinity(slope));
+      return std::array<double, 4>{1.0, 3.0 * k[0], 5.0 * k[1], 7.0 * k3(k)};
     }
-    return radius_at(root);
   }
 
- private:
   /// Of v = r² / (1 + r²).
   static double radius_at(double v) {
     return v < 1.0 ? std::sqrt(v / (1.0 - v)) : std::numeric_limits<double>::infinity();
@@ -258,6 +274,11 @@ struct DistortedPinhole {
   }
 
   static double max_angle_rad(const double* k) { return std::atan(PlaneDistortion<n>::max_radius(k)); }
+
+  static bool grows_up_to(const double* k, double angle) {
+    const double r = std::tan(angle);
+    return angle < M_PI_2 && PlaneDistortion<n>::grows_up_to_square(k, r * r);
+  }
 };
 
 }  // namespace raybundle

@@ -67,6 +67,12 @@ Bernstein<size> bernstein_to_infinity(const std::array<double, size>& a) {
   return c;
 }
 
+/// Whether the polynomial is positive all the way; false also when its coefficients do not show it.
+template <std::size_t size>
+bool all_positive(const Bernstein<size>& c) {
+  return std::ranges::all_of(c, [](double x) { return x > 0; });
+}
+
 /// Value and derivative of a Bernstein polynomial. Source: de Casteljau's algorithm.
 template <std::size_t size>
 ValueAndSlope bernstein_at(Bernstein<size> c, double v) {

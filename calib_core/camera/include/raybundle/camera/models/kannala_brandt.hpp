@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 
 #include "raybundle/camera/camera_model.hpp"
@@ -102,15 +101,14 @@ struct KannalaBrandt {
     return root < 1.0 ? M_PI * std::sqrt(root) : M_PI;
   }
 
+  static bool grows_up_to(const double* k, double angle) {
+    return all_positive(bernstein_to_limit(slope_in_squares(k), angle * angle));
+  }
+
  private:
   /// The radius' slope in powers of the angle squared.
   static std::array<double, 5> slope_in_squares(const double* k) {
     return {1.0, 3 * k[0], 5 * k[1], 7 * k[2], 9 * k[3]};
-  }
-
-  /// Whether the radius grows all the way; quick, and false when that is not plain.
-  static bool grows_up_to(const double* k, double angle) {
-    return std::ranges::all_of(bernstein_to_limit(slope_in_squares(k), angle * angle), [](double c) { return c > 0; });
   }
 
   template <typename T>
