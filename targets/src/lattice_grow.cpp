@@ -228,7 +228,8 @@ std::optional<Saddle> refined_on_lattice(const cv::Mat& gray, const Lattice& lat
   auto saddle = refine_saddle(gray, start, *window);
   if (!saddle || !fits_lattice(*saddle, place, window->half_x, window->half_y)) return std::nullopt;
   constexpr double kFaintest = 0.2;  // of the contrast nearby
-  if (saddle->contrast < kFaintest * typical_contrast(lattice, place)) return std::nullopt;
+  const bool faint = saddle->contrast < kFaintest * 255;
+  if (faint && saddle->contrast < kFaintest * typical_contrast(lattice, place)) return std::nullopt;
   return saddle;
 }
 

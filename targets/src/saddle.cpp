@@ -143,7 +143,7 @@ bool worth_a_fit(const SaddleSamples& samples, const SaddleVector& parameters, d
 bool convincing(const Saddle& saddle, const Eigen::Vector2d& start, const Shape& shape) {
   const Eigen::Vector2d moved = shape.window_from_pixel * (saddle.pixel - start);
   const double sine = std::abs(saddle.edge_a.x() * saddle.edge_b.y() - saddle.edge_a.y() * saddle.edge_b.x());
-  return saddle.pixel.allFinite() && moved.cwiseAbs().maxCoeff() < 0.6 && saddle.contrast > 6 && saddle.misfit < 0.16 &&
+  return saddle.pixel.allFinite() && moved.cwiseAbs().maxCoeff() < 0.6 && saddle.contrast > 6 && saddle.misfit < 0.18 &&
          sine > 0.15 && saddle.sigma_px < 0.5 && saddle.blur_px < 1.2 * shape.half_px;
 }
 

@@ -81,10 +81,9 @@ SaddleFit minimise_saddle(SaddleWork& work, const SaddleVector& start, const Sad
   constexpr double kFarthest = 1.5;  // half-windows: a step may overshoot
   constexpr double kSettled = 1e-3;  // of the cost that is left
   const double settled_px = rough ? 0.05 : 0.004;
-  const int most_iterations = rough ? 10 : 15;
   double damping = 1e-3;
   bool rows_are_best = true;
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+  for (int iteration = 0; iteration < 15; ++iteration) {
     SaddleVector step = Factor(best.information, damping).solve(best.gradient);
     if (!step.allFinite()) break;
     step[kLogBlur] = std::clamp(step[kLogBlur], -0.7, 0.7);
