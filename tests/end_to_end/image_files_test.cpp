@@ -16,6 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 // A PNG of a few bytes whose header asks for 60000 x 60000 pixels, which OpenCV answers with an exception.
 TEST(ReadsImages, AndSaysWhyAHeaderOfTooManyPixelsIsNone) {
@@ -86,6 +87,30 @@ TEST(FindsImages, OfAFolderAsAPatternInIt) {
       EXPECT_THAT(error.what(), HasSubstr("as in '" + folder + "/*.jpg'"));
     }
   }
+}
+
+TEST(ACameraWithoutAReadableImage, DoesNotCostTheOthersTheirs) {
+  RAYBUNDLE_NEEDS_DATA("opencv_stereo_chess");
+  const fs::path folder = fresh_folder();
+  const std::string whole = text_of(real_data("opencv_stereo_chess") / "right01.jpg");
+  write_text(folder / "right01.jpg", whole.substr(0, whole.size() / 3));
+  const std::vector<std::string> images{
+      "--target", "chessboard:9x6:25mm",
+      "--camera", "right=" + (folder / "right*.jpg").string(),
+      "--camera", "left=" + (real_data("opencv_stereo_chess") / "left*.jpg").string()};
+  const auto with_images = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), images.begin(), images.end());
+    return raybundle_program(arguments);
+  };
+  const ProgramRun run = with_images({"calibrate", "--model", "brown_conrady", "-o", (folder / "out").string()});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("camera right is left out: none of its images can be used"));
+  const std::string calibration = (folder / "out" / "calibration.json").string();
+  EXPECT_THAT(text_of(calibration), Not(HasSubstr("\"right\"")));
+  // But nobody is to take it for checked.
+  const ProgramRun checked = with_images({"validate", calibration});
+  EXPECT_NE(checked.exit_code, 0);
+  EXPECT_THAT(checked.err, HasSubstr("camera right"));
 }
 
 }  // namespace
