@@ -3,6 +3,7 @@
 #include "calibrate_job.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -168,7 +169,10 @@ Provenance provenance_of(const CalibrateJob& job, const std::optional<SurveyInpu
     }
   }
   for (const auto* files : {&images.files, &images.laser_files}) {
-    for (const ImageFile& file : *files) provenance.inputs.push_back({file.path, sha256_of_file(file.path)});
+    for (const ImageFile& file : *files) {
+      const bool unreadable = access(file.path.c_str(), R_OK) != 0;  // it is among those that are left out
+      if (!unreadable) provenance.inputs.push_back({file.path, sha256_of_file(file.path)});
+    }
   }
   return provenance;
 }

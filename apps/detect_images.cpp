@@ -29,6 +29,13 @@ std::vector<Board> boards_of(const Dataset& dataset) {
   return boards;
 }
 
+// Nothing for a file that cannot be read: whoever reads it says why.
+std::string key_of(const ImageFile& file, const std::vector<Board>& boards) try {
+  return cache_key(sha256_of_file(file.path), boards);
+} catch (const Error&) {
+  return "";
+}
+
 // Detections of all frames of all files, from the cache where it has them. Aligned with files.
 std::vector<std::vector<CachedFrame>> detect_files(const Dataset& dataset, const DetectOptions& options,
                                                    std::vector<ImageFile>& files,
@@ -40,10 +47,8 @@ std::vector<std::vector<CachedFrame>> detect_files(const Dataset& dataset, const
   std::vector<std::size_t> index;
   for (std::size_t i = 0; i < files.size(); ++i) {
     std::optional<std::vector<CachedFrame>> cached;
-    if (options.use_cache) {
-      keys[i] = cache_key(sha256_of_file(files[i].path), boards);
-      cached = read_cached(keys[i], boards);
-    }
+    if (options.use_cache) keys[i] = key_of(files[i], boards);
+    if (!keys[i].empty()) cached = read_cached(keys[i], boards);
     if (cached) {
       found[i] = std::move(*cached);
       if (!files[i].video && found[i].size() == 1) found[i][0].frame = files[i].frame;  // the name is not the content
@@ -54,7 +59,7 @@ std::vector<std::vector<CachedFrame>> detect_files(const Dataset& dataset, const
   }
   // Kept as soon as a file is done: whoever interrupts a long run goes on from there.
   const auto keep = [&](std::size_t t) {
-    if (options.use_cache) write_cached(keys[index[t]], found[index[t]]);
+    if (!keys[index[t]].empty()) write_cached(keys[index[t]], found[index[t]]);
   };
   const std::vector<std::string> reasons = for_each_frame(
       todo, options.threads, "detecting",

@@ -62,6 +62,8 @@ HeldOut held_out(const CalibrationFile& file, const CalibrationProblem& observed
   }
   for (ProblemCamera& camera : problem.cameras) {
     const RigCamera& known = camera_named(file.calibration, camera.name);
+    const bool never_seen = camera.size == ImageSize{};  // none of its images could be read
+    if (never_seen) camera.size = known.camera.size;
     if (camera.size != known.camera.size) {
       throw Error(ErrorKind::kBadInput,
                   fmt::format("camera {} has {}x{} images, but was calibrated at {}x{}", camera.name, camera.size.width,

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <opencv2/imgcodecs.hpp>
@@ -22,6 +23,7 @@
 #include "raybundle/geometry/threads.hpp"
 #include "raybundle/io/frame_names.hpp"
 #include "terminal.hpp"
+#include "tiff_orientation.hpp"
 
 namespace raybundle::apps {
 namespace {
@@ -105,12 +107,12 @@ bool truncated(std::string_view bytes) {
 // theirs.
 cv::Mat decoded(std::string& bytes, std::string& reason) try {
   cv::Mat image;
-  if (!bytes.empty()) {
+  if (!bytes.empty() && bytes.size() <= std::numeric_limits<int>::max()) {
     image = cv::imdecode(cv::Mat(1, static_cast<int>(bytes.size()), CV_8U, bytes.data()),
                          cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
   }
   if (image.empty()) reason = "not an image that can be decoded";
-  return image;
+  return as_stored(bytes, image);
 } catch (const cv::Exception& error) {
   if (error.code == cv::Error::StsNoMem) throw;
   reason = "the image file is damaged, or too large to be read";

@@ -43,7 +43,7 @@ void refuse_shared_images(const std::vector<ImageFile>& files, const std::vector
 /// Warns of two images, named as a pair, whose numbers say that they are of different moments.
 void warn_of_other_moment(const std::string& a, const std::string& b);
 
-/// An 8- or 16-bit grey image; empty, with the reason set, when the file is truncated or no image.
+/// An 8- or 16-bit grey image; empty, with the reason set, when the file cannot be read, is truncated or no image.
 cv::Mat read_gray(const std::string& path, std::string& reason);
 
 /// The same of a file that has to be one.

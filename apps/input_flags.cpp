@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <map>
 
@@ -16,7 +15,6 @@
 #include "raybundle/scene/suggestion.hpp"
 #include "raybundle/targets/board_file.hpp"
 #include "repeated_views.hpp"
-#include "terminal.hpp"
 
 namespace raybundle::apps {
 namespace {
@@ -120,28 +118,6 @@ Target named_target(const DatasetBoard& board) {
 }
 
 // The laser's anchor names its view by number, and the numbers change.
-// A camera whose images have no size, because none of them can be read, is not to cost the others theirs.
-void leave_out_unseen_cameras(DetectedImages& images) {
-  CalibrationProblem& problem = images.observations.problem;
-  const auto seen = [](const ProblemCamera& camera) { return camera.size.width > 0; };
-  if (std::ranges::none_of(problem.cameras, seen)) return;  // which require_views() refuses
-  for (int c = static_cast<int>(problem.cameras.size()) - 1; c >= 0; --c) {
-    if (seen(problem.cameras[c])) continue;
-    const auto first = std::ranges::find(images.unused, problem.cameras[c].name, &UnusedImage::camera);
-    say_warning(fmt::format("camera {} is left out: none of its images can be used{}", problem.cameras[c].name,
-                            first == images.unused.end() ? "" : fmt::format("; {}: {}", first->image, first->reason)));
-    const auto take_out = [c](auto& entries) {
-      std::erase_if(entries, [c](const auto& entry) { return entry.camera == c; });
-      for (auto& entry : entries) entry.camera -= entry.camera > c;
-    };
-    take_out(problem.views);
-    take_out(images.files);
-    take_out(images.laser_files);
-    problem.cameras.erase(problem.cameras.begin() + c);
-    images.observations.models.erase(images.observations.models.begin() + c);
-  }
-}
-
 void leave_out_bad_views(DetectedImages& images) {
   CalibrationProblem& problem = images.observations.problem;
   std::optional<TargetView> anchored;
@@ -236,7 +212,6 @@ DetectedImages observe(const InputFlags& flags, const Dataset& dataset) {
   if (flags.observations.empty()) {
     DetectedImages images = detect_images(dataset, detect_options(flags, dataset));
     if (dataset.laser) add_dots(dataset, detect_options(flags, dataset), images);
-    leave_out_unseen_cameras(images);
     if (!flags.anchor.empty()) set_anchor(anchor_from_flag(flags.anchor), images.observations.problem);
     leave_out_bad_views(images);
     return images;

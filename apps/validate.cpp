@@ -125,13 +125,6 @@ void run(const ValidateFlags& flags) {
   const Dataset dataset = dataset_of(flags.input, false);
   const DetectedImages images = observe(flags.input, dataset);
   require_views(images);
-  for (const DatasetCamera& camera : dataset.cameras) {
-    if (std::ranges::find(images.observations.problem.cameras, camera.name, &ProblemCamera::name) !=
-        images.observations.problem.cameras.end())
-      continue;
-    throw Error(ErrorKind::kNotEnoughData, "none of its images can be used, so nothing can be said of it; give others",
-                "camera " + camera.name);
-  }
   for (const std::string& hint : images.hints) say_warning(hint);
   const HeldOut held = held_out(file, images.observations.problem);
   const CalibrationProblem& problem = held.problem;

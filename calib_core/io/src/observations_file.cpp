@@ -5,6 +5,7 @@
 #include <limits>
 #include <set>
 
+#include "image_side.hpp"
 #include "json_laser.hpp"
 #include "json_node.hpp"
 #include "json_target.hpp"
@@ -62,8 +63,10 @@ void read_cameras(const JsonNode& nodes, ObservationsFile& file) {
     if (!names.insert(name.name()).second) name.fail(in_quotes(name.name()) + " stands twice; rename one camera");
     const auto model = node.find("model");
     file.models.push_back(model ? std::optional(model->model()) : std::nullopt);
+    const ImageSize size{node.at("width").whole_number(0, kMaxImageSide_px),
+                         node.at("height").whole_number(0, kMaxImageSide_px)};
     file.problem.cameras.push_back(
-        {name.name(), file.models.back().value_or(ModelId{}), node.image_size(), std::nullopt, std::nullopt});
+        {name.name(), file.models.back().value_or(ModelId{}), size, std::nullopt, std::nullopt});
   }
 }
 
@@ -77,6 +80,7 @@ int index_of(const JsonNode& node, const NameList& list) {
 
 std::vector<Observation> observations_from(const JsonNode& rows, const Target& target) {
   std::vector<Observation> observations;
+  observations.reserve(rows.array_size());
   std::set<int> ids;
   for (std::size_t i = 0; i < rows.array_size(); ++i) {
     const JsonNode row = rows[i];

@@ -22,11 +22,12 @@ constexpr double kSmallestSigma_px = 1e-6, kLargestSigma_px = 1e6;  // their squ
 
 bool in_range(int index, std::size_t size) { return index >= 0 && index < static_cast<int>(size); }
 
-void check_camera(const ProblemCamera& camera) {
+void check_camera(const ProblemCamera& camera, bool has_views) {
   const std::string where = "camera " + camera.name;
   if (camera.name.empty()) refuse("a camera has no name; give each camera one");
   if (!in_range(camera.model.index, Models::kSize)) refuse("unknown camera model", where);
-  if (camera.size.width < 2 || camera.size.height < 2) refuse("the image size is not set", where);
+  const bool never_seen = camera.size == ImageSize{} && !has_views;  // none of its images could be read
+  if (!never_seen && (camera.size.width < 2 || camera.size.height < 2)) refuse("the image size is not set", where);
   if (!camera.parameters) return;
   const std::size_t count = parameter_names(camera.model).size();
   if (camera.parameters->size() != static_cast<Eigen::Index>(count)) {
@@ -224,8 +225,11 @@ void check(const CalibrationProblem& problem) {
   if (problem.laser) check_laser(problem);
   if (problem.survey) check_landmarks(problem);
   std::set<std::string> names;
-  for (const ProblemCamera& camera : problem.cameras) {
-    check_camera(camera);
+  std::set<int> cameras_with_views;
+  for (const TargetView& view : problem.views) cameras_with_views.insert(view.camera);
+  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
+    const ProblemCamera& camera = problem.cameras[c];
+    check_camera(camera, cameras_with_views.contains(c));
     if (!names.insert(camera.name).second) refuse("two cameras are called '" + camera.name + "'; rename one");
   }
   std::ranges::for_each(problem.targets, check_target);
