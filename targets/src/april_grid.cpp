@@ -289,13 +289,18 @@ Detection detect_april_grid(const cv::Mat& gray, const AprilGrid& board) {
   const MarkerSearch search = find_markers(gray, grid.codes, board.border_bits);
   const std::vector<Marker> mine = of_this_board(search.markers, board);
   std::vector<Marker> markers = choose_turn(grid, mine);
-  if (markers.empty() && mine.size() == 1) markers = mine;
+  // A lone tag does not show by which quarter turn the print differs: its corners might be numbered from the wrong one.
+  const bool lone = markers.empty() && mine.size() == 1;
+  if (lone && grid.tags() == 1) markers = mine;
   Detection detection;
   if (!markers.empty()) {
     grid.corner_squares = has_corner_squares(grid, markers);
     for (const auto& [id, corner] : grow(grid, markers)) detection.observations.push_back(corner);
   }
-  if (detection.observations.empty()) detection.hint = hint_for(gray, grid, search);
+  if (detection.observations.empty()) {
+    detection.hint = lone ? "only one tag of the board is seen, and it takes two to tell which way up they were printed"
+                          : hint_for(gray, grid, search);
+  }
   return detection;
 }
 

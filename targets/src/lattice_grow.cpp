@@ -227,9 +227,9 @@ std::optional<Saddle> refined_on_lattice(const cv::Mat& gray, const Lattice& lat
   window->doubtful = known == nullptr;
   auto saddle = refine_saddle(gray, start, *window);
   if (!saddle || !fits_lattice(*saddle, place, window->half_x, window->half_y)) return std::nullopt;
-  constexpr double kFaintest = 0.2;  // of the contrast nearby
-  const bool faint = saddle->contrast < kFaintest * 255;
-  if (faint && saddle->contrast < kFaintest * typical_contrast(lattice, place)) return std::nullopt;
+  constexpr double kFaintest = 0.2;                              // of the contrast nearby
+  const bool may_be_faint = saddle->contrast < kFaintest * 255;  // of 8 bits none has more contrast
+  if (may_be_faint && saddle->contrast < kFaintest * typical_contrast(lattice, place)) return std::nullopt;
   return saddle;
 }
 

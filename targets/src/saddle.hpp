@@ -18,7 +18,7 @@ struct Saddle {
   Eigen::Vector2d edge_b = Eigen::Vector2d::UnitY();
   double contrast = 0.0;  ///< bright minus dark level, in grey values of the image
   double blur_px = 1.0;   ///< standard deviation of the edges' blur
-  double misfit = 0.0;    ///< rms of the model's residuals over the contrast: 0 is a perfect corner
+  double misfit = 0.0;    ///< the model's residuals, by degree of freedom, over the contrast: 0 is a perfect corner
 };
 
 /// The neighbourhood of a corner on a lattice: a parallelogram with a tapered edge, and how its edges bend.
@@ -29,7 +29,7 @@ struct SaddleWindow {
   double bend_y = 0.0;  ///< [1/px] the same for the edge along half_y
   const Saddle* known = nullptr;  ///< an earlier fit of this corner: where to start
   bool doubtful = false;          ///< perhaps there is no corner at all: look before fitting
-  bool rough = false;             ///< a tenth of a pixel will do, because another fit follows
+  bool rough = false;             ///< a window of 6 px that need not lie on the corner: to look, another fit follows
 };
 
 /// Refines a saddle near `start`, or finds that there is none.

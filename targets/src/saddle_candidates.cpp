@@ -63,8 +63,7 @@ std::optional<Eigen::Vector2d> stationary_point(const cv::Mat& blurred, int x, i
   const double xx = (at(2, 0) + at(-2, 0) - 2 * at(0, 0)) / 4;
   const double yy = (at(0, 2) + at(0, -2) - 2 * at(0, 0)) / 4;
   const double xy = (at(2, 2) + at(-2, -2) - at(2, -2) - at(-2, 2)) / 16;
-  const double determinant = xx * yy - xy * xy;
-  if (determinant > -1e-6) return std::nullopt;
+  const double determinant = xx * yy - xy * xy;  // below 0 where the strength is above it
   const Eigen::Vector2d move((-yy * gx + xy * gy) / determinant, (xy * gx - xx * gy) / determinant);
   constexpr double kFarthest_px = 1.5;
   if (move.cwiseAbs().maxCoeff() > kFarthest_px) return std::nullopt;

@@ -87,8 +87,8 @@ SaddleFit minimise_saddle(SaddleWork& work, const SaddleVector& start, const Sad
     SaddleVector step = Factor(best.information, damping).solve(best.gradient);
     if (!step.allFinite()) break;
     step[kLogBlur] = std::clamp(step[kLogBlur], -0.7, 0.7);
-    // The last step is taken without a look at where it leads.
-    if (step.head<2>().norm() < settled_px && step.dot(best.gradient) < kSettled * best.cost) {
+    const bool last = step.head<2>().norm() < settled_px && step.dot(best.gradient) < kSettled * best.cost;
+    if (last && rows_are_best) {  // taken without a look at where it leads
       best.parameters += step;
       break;
     }
@@ -96,7 +96,7 @@ SaddleFit minimise_saddle(SaddleWork& work, const SaddleVector& start, const Sad
     const bool better = next.cost < best.cost;
     if (better) best = next;
     rows_are_best = better;
-    if ((window_from_pixel * best.parameters.head<2>()).cwiseAbs().maxCoeff() > kFarthest) break;
+    if (last || (window_from_pixel * best.parameters.head<2>()).cwiseAbs().maxCoeff() > kFarthest) break;
     damping = better ? 0.2 * damping : 10 * damping;
     if (damping > 1e4) break;
   }

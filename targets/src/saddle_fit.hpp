@@ -29,7 +29,7 @@ struct SaddleWork {
 /// Least squares from `start`, Levenberg-Marquardt. Given up where the corner has left the window for good.
 ///
 /// @param window_from_pixel  to where the window spans [-1, 1]²
-/// @param rough              the corner's place is wanted to a tenth of a pixel only
+/// @param rough              as in SaddleWindow: settled at .05 px
 SaddleFit minimise_saddle(SaddleWork& work, const SaddleVector& start, const SaddlePriors& priors,
                           const SaddleBends& bends, const Eigen::Matrix2d& window_from_pixel, bool rough);
 

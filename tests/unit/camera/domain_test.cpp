@@ -43,6 +43,10 @@ void expect_exact_domain(const double* shape) {
   if (limit < M_PI - 1e-3) {
     EXPECT_LT(radius_at(project, shape, limit + 1e-3), last * (1 + 1e-3));
   }
+  if constexpr (requires { M::grows_up_to(shape, limit); }) {
+    EXPECT_TRUE(M::grows_up_to(shape, 1e-6));
+    EXPECT_FALSE(limit < M_PI - 1e-3 && M::grows_up_to(shape, limit + 1e-6)) << limit;
+  }
 }
 
 TEST(Domain, DoubleSphereUnderRandomShapes) {

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
+#include <set>
 
 #include "raybundle/targets/detect.hpp"
 #include "real_images.hpp"
@@ -63,6 +65,42 @@ TEST(RealAprilGrid, OfAnotherBorderNamesIt) {
   const Detection detection = detect(board, image);
   EXPECT_TRUE(detection.observations.empty());
   EXPECT_NE(detection.hint.find("try :2bit (in TOML border_bits = 2)"), std::string::npos) << detection.hint;
+}
+
+// All is grey but for a rectangle around some tags.
+cv::Mat with_tags_only(const cv::Mat& image, const std::vector<Observation>& corners, const std::set<int>& tags) {
+  constexpr double kMargin_px = 6.0;
+  Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
+  for (const Observation& corner : corners) {
+    if (!tags.contains(corner.point_id / 4)) continue;
+    low = low.cwiseMin(corner.pixel);
+    high = high.cwiseMax(corner.pixel);
+  }
+  cv::Mat masked(image.size(), CV_8U, cv::Scalar(128));
+  const cv::Rect kept(static_cast<int>(low.x() - kMargin_px), static_cast<int>(low.y() - kMargin_px),
+                      static_cast<int>(high.x() - low.x() + 2 * kMargin_px),
+                      static_cast<int>(high.y() - low.y() + 2 * kMargin_px));
+  image(kept).copyTo(masked(kept));
+  return masked;
+}
+
+// Codes are printed turned by any number of quarters, which a lone tag does not show: it was numbered from the wrong
+// corner.
+TEST(RealAprilGrid, TwoTagsAreNumberedAsAllAreAndOneIsNot) {
+  RAYBUNDLE_NEEDS_IMAGES(testing::real_images(kFolder), kFolder);
+  const AprilGrid board{6, 6, 0.088, 0.3};
+  const cv::Mat image = testing::grey_image(testing::real_data() / kFolder / "EuRoC.png");
+  const std::vector<Observation> all = detect(board, image).observations;
+  const Detection one = detect(board, with_tags_only(image, all, {14}));
+  EXPECT_TRUE(one.observations.empty());
+  EXPECT_NE(one.hint.find("only one tag"), std::string::npos) << one.hint;
+  const Detection two = detect(board, with_tags_only(image, all, {14, 15}));
+  ASSERT_GE(two.observations.size(), 6U);
+  for (const Observation& corner : two.observations) {
+    const auto same = std::ranges::find(all, corner.point_id, &Observation::point_id);
+    ASSERT_NE(same, all.end());
+    EXPECT_LT((same->pixel - corner.pixel).norm(), 1.0) << corner.point_id;
+  }
 }
 
 }  // namespace
