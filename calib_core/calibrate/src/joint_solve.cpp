@@ -164,15 +164,24 @@ bool data_carry_shape(const CalibrationProblem& problem, const BundleState& flat
   return gain > kSmallestGain * chi2_flat && gain / parameters > 20.0 * chi2_bent / (2.0 * corners);
 }
 
-// Bends the boards where that is asked for and the data carry it; whether it did.
+// Whether a rule gives a board a shape, which then does not depend on what the data carry.
+bool shape_is_given(const CalibrationProblem& problem) {
+  return std::ranges::any_of(parameter_blocks(problem), [](const ParameterBlock& block) {
+    return block.kind == ParameterBlock::Kind::kShape &&
+           std::ranges::any_of(block.parameters, [](const Parameter& p) { return p.value.has_value(); });
+  });
+}
+
+// Bends the boards where that is asked for and the data carry it, or a rule gives their shape; whether it did.
 bool bend_boards(const CalibrationProblem& problem, const CalibrateOptions& options, SolvedState& flat) {
   const bool flat_board = std::ranges::any_of(problem.targets, &Target::flat);
   if (!options.estimate_shape || !flat_board || flat.summary.termination == Termination::kFailed) return false;
-  if (!shape_may_pay(problem, flat.state, options)) return false;
+  const bool given = shape_is_given(problem);
+  if (!given && !shape_may_pay(problem, flat.state, options)) return false;
   SolvedState bent = flat;
   bent.summary = solve_without_outliers(problem, bent.state, options, true, bent.reasons);
   if (bent.summary.termination == Termination::kFailed) return false;
-  if (!data_carry_shape(problem, flat.state, bent.state)) return false;
+  if (!given && !data_carry_shape(problem, flat.state, bent.state)) return false;
   flat = std::move(bent);
   return true;
 }

@@ -252,6 +252,17 @@ TEST(Calibrate, EstimatesTheBoardsShapeOnlyWhenThereIsOne) {
   EXPECT_NEAR(bent.calibration.targets[0].shape.bend_y_m, -0.001, 2e-4);
 }
 
+// Whatever the data say: intrinsics, residuals and shape of the result belong together.
+TEST(Calibrate, AShapeThatIsGivenHolds) {
+  SyntheticOptions options;
+  options.noise_px = 0.2;
+  CalibrationProblem problem = synthetic_world(options).problem;
+  for (const auto kind : {ParameterRule::Kind::kFixed, ParameterRule::Kind::kPrior}) {
+    problem.rules = {{"board0.bend_y", kind, 0.0004, 1e-9}};
+    EXPECT_NEAR(calibrate(problem).calibration.targets[0].shape.bend_y_m, 0.0004, 1e-6);
+  }
+}
+
 TEST(Calibrate, KeepsFixedParameters) {
   SyntheticOptions options;
   options.noise_px = 0.2;
