@@ -8,29 +8,23 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <functional>
 #include <opencv2/calib3d.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
 
 #include "raybundle/targets/detect.hpp"
+#include "support/chessboard_images.hpp"
 #include "support/clock.hpp"
 
 namespace {
 
 using namespace raybundle;
+using namespace raybundle::bench;
 
 // Other work on the machine must not count: processor time of this thread.
-double milliseconds_now() { return 1e3 * bench::seconds(CLOCK_THREAD_CPUTIME_ID); }
-
-struct Set {
-  const char* folder;
-  const char* prefix;
-  Chessboard board;
-};
+double milliseconds_now() { return 1e3 * seconds(CLOCK_THREAD_CPUTIME_ID); }
 
 struct Detector {
   const char* name;
@@ -40,17 +34,7 @@ struct Detector {
 };
 
 std::size_t classic(const cv::Mat& gray, const Chessboard& board, int flags) {
-  std::vector<cv::Point2f> corners;
-  if (!cv::findChessboardCorners(gray, {board.columns, board.rows}, corners, flags)) return 0;
-  // Half the shortest distance to a neighbour, so that no window holds two corners.
-  double shortest_px = 1e9;
-  for (std::size_t i = 1; i < corners.size(); ++i) {
-    if (i % static_cast<std::size_t>(board.columns) != 0)
-      shortest_px = std::min(shortest_px, cv::norm(corners[i] - corners[i - 1]));
-  }
-  const int half = std::clamp(static_cast<int>(shortest_px / 2), 2, 11);
-  cv::cornerSubPix(gray, corners, {half, half}, {-1, -1}, {cv::TermCriteria::EPS + cv::TermCriteria::COUNT, 30, 0.01});
-  return corners.size();
+  return classic_corners(gray, board, flags).size();
 }
 
 std::size_t sector_based(const cv::Mat& gray, const Chessboard& board, int flags) {
@@ -63,11 +47,10 @@ std::vector<Detector> detectors() {
   const auto of = [](auto* function, int flags) {
     return [=](const Mat& gray, const Chessboard& board) { return function(gray, board, flags); };
   };
-  const int classic_flags = CALIB_CB_ADAPTIVE_THRESH | CALIB_CB_NORMALIZE_IMAGE;
   return {
       {"raybundle", [](const Mat& gray, const Chessboard& board) { return detect(board, gray).observations.size(); }},
-      {"OpenCV classic + subpix", of(classic, classic_flags)},
-      {"OpenCV classic, fast check", of(classic, classic_flags | CALIB_CB_FAST_CHECK)},
+      {"OpenCV classic + subpix", of(classic, kClassicFlags)},
+      {"OpenCV classic, fast check", of(classic, kClassicFlags | CALIB_CB_FAST_CHECK)},
       {"OpenCV SB", of(sector_based, 0)},
       {"OpenCV SB, normalise", of(sector_based, CALIB_CB_NORMALIZE_IMAGE)},
       {"OpenCV SB, exhaustive, accuracy",
@@ -75,42 +58,23 @@ std::vector<Detector> detectors() {
       {"OpenCV SB, else classic",  // what a careful user does: more boards than either
        [=](const Mat& gray, const Chessboard& board) {
          const std::size_t found = sector_based(gray, board, CALIB_CB_NORMALIZE_IMAGE);
-         return found > 0 ? found : classic(gray, board, classic_flags);
+         return found > 0 ? found : classic(gray, board, kClassicFlags);
        }},
       {"OpenCV classic, else SB",
        [=](const Mat& gray, const Chessboard& board) {
-         const std::size_t found = classic(gray, board, classic_flags);
+         const std::size_t found = classic(gray, board, kClassicFlags);
          return found > 0 ? found : sector_based(gray, board, CALIB_CB_NORMALIZE_IMAGE);
        }},
   };
 }
 
-std::filesystem::path real_data() {
-  const char* folder = std::getenv("RAYBUNDLE_DATA");
-  return folder != nullptr ? folder : std::filesystem::path(RAYBUNDLE_SOURCE_DIR) / "../shared/data";
-}
-
-std::vector<cv::Mat> images_of(const Set& set, std::size_t most) {
-  std::vector<std::filesystem::path> files;
-  std::error_code absent;
-  for (const auto& entry : std::filesystem::directory_iterator(real_data() / set.folder, absent)) {
-    if (entry.path().filename().string().starts_with(set.prefix)) files.push_back(entry.path());
-  }
-  std::ranges::sort(files);
-  if (files.size() > most) files.resize(most);
-  std::vector<cv::Mat> images;
-  for (const auto& file : files) {
-    images.push_back(cv::imread(file.string(), cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION));
-  }
-  return images;
-}
-
-void run(const Set& set, std::size_t most, int repetitions) {
-  const std::vector<cv::Mat> images = images_of(set, most);
+void run(const ChessboardSet& set, std::size_t most, int repetitions) {
+  std::vector<cv::Mat> images = images_of(set);
   if (images.empty()) {
-    std::printf("no images in %s: set RAYBUNDLE_DATA\n", (real_data() / set.folder).c_str());
+    std::printf("no images in %s: set RAYBUNDLE_DATA\n", (real_images() / set.folder).c_str());
     return;
   }
+  if (images.size() > most) images.resize(most);
   std::vector<Detector> all = detectors();
   const auto whole = static_cast<std::size_t>(set.board.columns * set.board.rows);
   for (const cv::Mat& image : images) {
@@ -127,7 +91,7 @@ void run(const Set& set, std::size_t most, int repetitions) {
       detector.partial += corners >= 4 && corners < whole;
     }
   }
-  std::printf("\n%s*: %zu images %dx%d\n", set.folder, images.size(), images[0].cols, images[0].rows);
+  std::printf("\n%s*: %zu images %dx%d\n", set.folder.c_str(), images.size(), images[0].cols, images[0].rows);
   std::printf("%-34s %6s %6s %10s %9s %9s %12s\n", "detector", "full", "part", "mean ms", "median", "worst", "ratio");
   double ours_ms = 0;
   for (Detector& detector : all) {
@@ -148,11 +112,6 @@ int main(int count, char** words) {
   const std::size_t most = count > 1 && std::atoi(words[1]) > 0 ? static_cast<std::size_t>(std::atoi(words[1])) : 1000;
   const int repetitions = count > 2 ? std::max(1, std::atoi(words[2])) : 1;
   cv::setNumThreads(1);
-  for (const Set& set :
-       {Set{"sourishg_fisheye_stereo/imgs", "", {9, 6, 0.02423}}, Set{"camodocal_fisheye/images", "img", {9, 6, 0.12}},
-        Set{"ocam/Fisheye1", "Fisheye1", {8, 6, 0.0325}}, Set{"opencv_stereo_chess", "left0", {9, 6, 0.025}},
-        Set{"boofcv_stereo/Bumblebee2_Chess", "left", {6, 4, 0.03}}}) {
-    run(set, most, repetitions);
-  }
+  for (const ChessboardSet& set : chessboard_sets()) run(set, most, repetitions);
   return 0;
 }
