@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "raybundle/geometry/error.hpp"
+#include "terminal.hpp"
 
 namespace raybundle::apps {
 namespace {
@@ -82,21 +83,31 @@ struct Verdict {
   bool in_order = true;
 };
 
-// Refuses a camera of whose views of a board most are in another order.
-void require_order(const CalibrationProblem& problem, const std::vector<Verdict>& verdicts) {
-  std::map<std::pair<int, int>, std::pair<int, int>> counts;  // camera and board -> out of order, all
+// Of a camera of whose views of a board most are in another order none counts, which is warned of; when there is no other
+// camera, or all of them see it so, the board is not the one that was named, and is refused.
+void judge_order(const CalibrationProblem& problem, std::vector<Verdict>& verdicts) {
+  using CameraAndBoard = std::pair<int, int>;
+  const auto of = [&](std::size_t v) { return CameraAndBoard{problem.views[v].camera, problem.views[v].target}; };
+  std::map<CameraAndBoard, std::pair<int, int>> counts;  // out of order, all
   for (std::size_t v = 0; v < verdicts.size(); ++v) {
-    auto& [out_of_order, all] = counts[{problem.views[v].camera, problem.views[v].target}];
+    auto& [out_of_order, all] = counts[of(v)];
     out_of_order += !verdicts[v].in_order;
     ++all;
   }
-  for (const auto& [which, count] : counts) {
-    if (2 * count.first <= count.second) continue;
-    throw Error(
-        ErrorKind::kBadInput,
-        fmt::format("camera {}: in {} of {} views the corners do not lie in the order of {}: are its rows and "
-                    "columns exchanged, or is it another board?",
-                    problem.cameras[which.first].name, count.first, count.second, problem.targets[which.second].name));
+  const auto wrong = [](const auto& entry) { return 2 * entry.second.first > entry.second.second; };
+  const bool refused = std::ranges::all_of(counts, wrong);
+  for (const auto& entry : counts) {
+    if (!wrong(entry)) continue;
+    const auto& [which, count] = entry;
+    const std::string message = fmt::format(
+        "camera {}: in {} of {} views the corners do not lie in the order of {}: are its rows and columns "
+        "exchanged, or is it another board?",
+        problem.cameras[which.first].name, count.first, count.second, problem.targets[which.second].name);
+    if (refused) throw Error(ErrorKind::kBadInput, message);
+    say_warning(message + " These views are left out");
+  }
+  for (std::size_t v = 0; v < verdicts.size(); ++v) {
+    if (wrong(*counts.find(of(v)))) verdicts[v].in_order = false;
   }
 }
 
@@ -115,7 +126,7 @@ void leave_out_misnumbered_views(DetectedImages& images) {
     verdict.hand = verdict.in_order ? handedness(corners) : 0;
     balance[{view.camera, view.target}] += verdict.hand;
   }
-  require_order(problem, verdicts);
+  judge_order(problem, verdicts);
   std::vector<TargetView> kept;
   for (std::size_t v = 0; v < problem.views.size(); ++v) {
     TargetView& view = problem.views[v];

@@ -11,7 +11,9 @@ namespace raybundle::apps {
 /// compared with most views of the same camera. A solve would not notice the latter: such a view fits as a board seen
 /// from behind.
 ///
-/// @throws Error(kBadInput) when most views of a camera are in another order
+/// Of a camera most of whose views of a board are in another order none of them is kept, with a warning.
+///
+/// @throws Error(kBadInput) when that is so of every camera
 void leave_out_misnumbered_views(DetectedImages& images);
 
 }  // namespace raybundle::apps

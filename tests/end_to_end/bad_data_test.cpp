@@ -275,6 +275,28 @@ TEST_F(BadData, RowsAndColumnsExchangedAreNamed) {
           {"camera camera0: in 14 of 14 views the corners do not lie in the order of", "rows and columns exchanged"});
 }
 
+// Of one camera among others they cost that camera only.
+TEST_F(BadData, ACameraWithAnotherOrderDoesNotCostTheOthersTheirs) {
+  SyntheticOptions options;
+  options.noise_px = 0.1;
+  options.cameras.resize(2);
+  options.cameras[1].camera_from_rig.translation.x() = -0.1;
+  CalibrationProblem problem = synthetic_world(options).problem;
+  for (TargetView& view : problem.views) {
+    if (view.camera == 0) continue;
+    for (Observation& corner : view.observations) corner.point_id = corner.point_id % 9 * 7 + corner.point_id / 9;
+  }
+  write_text(place / "corners.csv", csv_of(problem));
+  std::vector<std::string> words = arguments("corners.csv");
+  words.insert(words.end(), {"--image-size", "camera1=1280x960"});
+  const ProgramRun run = raybundle_program(words);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("camera camera1: in"));
+  const std::string calibration = text_of(place / "out" / "calibration.json");
+  EXPECT_THAT(calibration, HasSubstr("\"camera0\""));
+  EXPECT_THAT(calibration, Not(HasSubstr("\"camera1\"")));
+}
+
 TEST_F(BadData, ABoardInTheWrongUnitIsNamed) {
   const CalibrationProblem problem = world().problem;
   EXPECT_THAT(told(problem), Not(HasSubstr("unit")));
