@@ -324,12 +324,42 @@ CalibrationResult calibrate_weighing_priors(const CalibrationProblem& problem, c
   return result;
 }
 
+// Parameters that are kept at values which the corners do not bear out: residuals are larger than without, by far more
+// than a coefficient that is left out for good reasons costs.
+std::vector<std::string> contradicted_values(const CalibrationProblem& problem, const CalibrateOptions& options,
+                                             const CalibrationResult& result) {
+  constexpr double kMuchLarger = 1.2;
+  const auto is_given = [](const auto& rule) { return rule.kind == ParameterRule::Kind::kFixed && rule.value; };
+  if (std::ranges::none_of(problem.rules, is_given)) return {};
+  CalibrationProblem freed = problem;
+  std::erase_if(freed.rules, is_given);
+  double times = 0.0;
+  try {
+    times = corner_noise(problem, result) / corner_noise(freed, calibrate_as_weighed(freed, options));
+  } catch (const Error&) {  // the data do not determine what was given
+    return {};
+  }
+  if (!(times > kMuchLarger)) return {};
+  std::string given;
+  for (const ParameterBlock& block : parameter_blocks(problem)) {
+    for (const Parameter& parameter : block.parameters) {
+      if (is_given(parameter))
+        given += fmt::format("{}{}={:g}", given.empty() ? "" : ", ", parameter.name, *parameter.value);
+    }
+  }
+  return {
+      fmt::format("corners fit {:.1f} times worse with {} than with what they say themselves; check the value and its "
+                  "unit, or free it",
+                  times, given)};
+}
+
 }  // namespace
 
 CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOptions& options) {
   check(problem);
   parameter_blocks(problem);  // refuses rules that match nothing
   CalibrationResult result = calibrate_weighing_priors(problem, options);
+  std::ranges::move(contradicted_values(problem, options, result), std::back_inserter(result.warnings));
   std::ranges::move(data_warnings(problem, result), std::back_inserter(result.warnings));
   return result;
 }

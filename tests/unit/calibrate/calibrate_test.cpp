@@ -272,6 +272,19 @@ TEST(Calibrate, KeepsFixedParameters) {
   EXPECT_EQ(result.calibration.cameras[0].camera.parameters[7], 0.0);
 }
 
+TEST(Calibrate, NamesAValueThatCornersContradict) {
+  SyntheticOptions options;
+  options.noise_px = 0.2;
+  CalibrationProblem problem = synthetic_world(options).problem;
+  const double cx = calibrate(problem).calibration.cameras[0].camera.cx();
+  for (const double off_px : {0.0, 40.0}) {
+    problem.rules = {{"camera0.cx", ParameterRule::Kind::kFixed, cx + off_px, 0.0}};
+    EXPECT_EQ(std::ranges::count_if(calibrate(problem).warnings,
+                                    [](const std::string& w) { return w.find("worse with camera0.cx=") < w.size(); }),
+              off_px > 0.0);
+  }
+}
+
 // A prior and the corners are two measurements of one number, whatever sigmas a detector states: the answer is their mean
 // by weight, as sure as both together.
 TEST(Calibrate, APriorCountsByItsOwnSigma) {
