@@ -27,6 +27,7 @@ struct Spoiling {
     return Eigen::Matrix<double, 2, 3>(Eigen::Matrix<double, 2, 3>::Identity());
   };
   bool only_noise = false;  // grey values changed by noise and rounding alone
+  bool beside_opencv = true;
 };
 
 cv::Mat in_bytes(const cv::Mat& image) {
@@ -104,7 +105,8 @@ std::vector<Spoiling> spoilings() {
            .only_noise = true},
           {.name = "noise of 25 grey values",
            .spoilt = [](const cv::Mat& gray) { return with_noise(gray, 25.0); },
-           .only_noise = true},
+           .only_noise = true,
+           .beside_opencv = false},  // which takes some ten seconds an image there
           shrunk("half the size", 2),
           shrunk("a third of the size", 3),
           {.name = "a sixth of the contrast",
@@ -170,7 +172,7 @@ int main() {
     std::printf("no images in %s: set RAYBUNDLE_DATA\n", real_images().c_str());
     return 1;
   }
-  std::printf("boards found by raybundle / by OpenCV's findChessboardCorners, of images\n");
+  std::printf("boards found by raybundle / by OpenCV's findChessboardCorners (0 where it was not asked), of images\n");
   for (const Spoiling& spoiling : spoilings()) {
     std::printf("%-24s", spoiling.name);
     Sum sum;
@@ -183,7 +185,7 @@ int main() {
         const cv::Mat image = spoiling.spoilt(loaded.images[i]);
         const Detection found = detect(board, image);
         ours += 2 * static_cast<int>(found.observations.size()) >= corners;
-        theirs += !classic_corners(image, board).empty();
+        theirs += spoiling.beside_opencv && !classic_corners(image, board).empty();
         add_shifts(loaded.as_they_are[i], found, spoiling.moved(loaded.images[i]), corners, sum);
       }
       fewer = fewer || ours < theirs;
