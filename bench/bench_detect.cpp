@@ -71,7 +71,7 @@ std::vector<Detector> detectors() {
 void run(const ChessboardSet& set, std::size_t most, int repetitions) {
   std::vector<cv::Mat> images = images_of(set);
   if (images.empty()) {
-    std::printf("no images in %s: set RAYBUNDLE_DATA\n", (real_images() / set.folder).c_str());
+    std::printf("no images in %s: set RAYBUNDLE_DATA\n", testing::real_data(set.folder).c_str());
     return;
   }
   if (images.size() > most) images.resize(most);

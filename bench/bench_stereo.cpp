@@ -22,6 +22,7 @@
 
 #include "raybundle/geometry/quantile.hpp"
 #include "raybundle/stereo/stereo.hpp"
+#include "real_data.hpp"
 
 namespace {
 
@@ -251,9 +252,7 @@ void print_times(const std::string& data) {
 
 int main() {
   cv::setNumThreads(1);
-  const char* set = std::getenv("RAYBUNDLE_DATA");
-  const std::string data =
-      (set ? std::string(set) : std::string(RAYBUNDLE_SOURCE_DIR "/../shared/data")) + "/stereo_gt";
+  const std::string data = raybundle::testing::real_data("stereo_gt").string();
   if (cv::imread(data + "/cones_left.png").empty()) {
     fmt::print(stderr, "there is no {}: set RAYBUNDLE_DATA to the folder of real data\n", data);
     return 5;

@@ -30,18 +30,12 @@ struct Spoiling {
   bool beside_opencv = true;
 };
 
-cv::Mat in_bytes(const cv::Mat& image) {
-  cv::Mat bytes;
-  image.convertTo(bytes, CV_8U);
-  return bytes;
-}
-
 cv::Mat with_noise(const cv::Mat& gray, double sigma_grey) {
   cv::Mat noise(gray.size(), CV_32F), noisy;
   cv::RNG random(1);
   random.fill(noise, cv::RNG::NORMAL, 0.0, sigma_grey);
-  gray.convertTo(noisy, CV_32F);
-  return in_bytes(noisy + noise);
+  cv::add(gray, noise, noisy, cv::noArray(), CV_8U);
+  return noisy;
 }
 
 cv::Mat blurred(const cv::Mat& gray, double sigma_px) {
@@ -169,7 +163,7 @@ int main() {
     if (!loaded.images.empty()) sets.push_back(loaded);
   }
   if (sets.empty()) {
-    std::printf("no images in %s: set RAYBUNDLE_DATA\n", real_images().c_str());
+    std::printf("no images in %s: set RAYBUNDLE_DATA\n", testing::real_data().c_str());
     return 1;
   }
   std::printf("boards found by raybundle / by OpenCV's findChessboardCorners (0 where it was not asked), of images\n");

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "kalibr_corners.hpp"
+#include "real_data.hpp"
 
 namespace {
 
@@ -89,10 +90,7 @@ bool prove(const Set& set, const fs::path& data, const fs::path& scratch) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const char* named = std::getenv("RAYBUNDLE_DATA");
-  const fs::path data = argc > 1 ? fs::path(argv[1])
-                        : named  ? fs::path(named)
-                                 : fs::path(RAYBUNDLE_SOURCE_DIR) / "../shared/data";
+  const fs::path data = argc > 1 ? fs::path(argv[1]) : raybundle::testing::real_data();
   const fs::path scratch = fs::temp_directory_path() / "raybundle_prove_halves";
   fs::create_directories(scratch);
   const Set sets[] = {

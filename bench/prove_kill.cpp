@@ -8,12 +8,11 @@
 #include <cstdlib>
 
 #include "kill_runs.hpp"
+#include "real_data.hpp"
 
 int main() {
   namespace fs = std::filesystem;
-  const char* place = std::getenv("RAYBUNDLE_DATA");
-  const fs::path images =
-      (place != nullptr ? fs::path(place) : fs::path(RAYBUNDLE_SOURCE_DIR) / "../shared/data") / "opencv_stereo_chess";
+  const fs::path images = raybundle::testing::real_data("opencv_stereo_chess");
   if (!fs::is_directory(images)) {
     std::fprintf(stderr, "there is no %s: set RAYBUNDLE_DATA to the folder of real data\n", images.c_str());
     return 1;

@@ -3,15 +3,13 @@
 #pragma once
 
 #include <algorithm>
-#include <cstdlib>
-#include <filesystem>
 #include <opencv2/calib3d.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
 
 #include "raybundle/targets/board.hpp"
+#include "real_images.hpp"
 
 namespace raybundle::bench {
 
@@ -29,24 +27,10 @@ inline std::vector<ChessboardSet> chessboard_sets() {
           {"boofcv_stereo/Bumblebee2_Chess", "left", {6, 4, 0.03}}};
 }
 
-/// Where the images lie: beside the project, or where RAYBUNDLE_DATA says.
-inline std::filesystem::path real_images() {
-  const char* folder = std::getenv("RAYBUNDLE_DATA");
-  return folder != nullptr ? folder : std::filesystem::path(RAYBUNDLE_SOURCE_DIR) / "../shared/data";
-}
-
 /// Grey images in the order of their names; none when the folder is not there.
 inline std::vector<cv::Mat> images_of(const ChessboardSet& set) {
-  std::vector<std::filesystem::path> files;
-  std::error_code absent;
-  for (const auto& entry : std::filesystem::directory_iterator(real_images() / set.folder, absent)) {
-    if (entry.path().filename().string().starts_with(set.prefix)) files.push_back(entry.path());
-  }
-  std::ranges::sort(files);
   std::vector<cv::Mat> images;
-  for (const auto& file : files) {
-    images.push_back(cv::imread(file.string(), cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION));
-  }
+  for (const auto& file : testing::real_images(set.folder, set.prefix)) images.push_back(testing::grey_image(file));
   return images;
 }
 

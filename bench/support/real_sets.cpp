@@ -6,14 +6,10 @@
 #include <cstdlib>
 
 #include "raybundle/io/observations_file.hpp"
+#include "real_data.hpp"
 
 namespace raybundle::bench {
 namespace {
-
-std::filesystem::path data_folder() {
-  const char* named = std::getenv("RAYBUNDLE_DATA");
-  return named ? std::filesystem::path(named) : std::filesystem::path(RAYBUNDLE_SOURCE_DIR) / "../shared/data";
-}
 
 std::string quoted(const std::string& text) { return "'" + text + "'"; }
 
@@ -44,7 +40,7 @@ std::vector<RealSet> real_sets() {
 }
 
 std::optional<CalibrationProblem> observations_of(const RealSet& set, const std::filesystem::path& program) {
-  const std::filesystem::path folder = data_folder() / set.folder;
+  const std::filesystem::path folder = testing::real_data() / set.folder;
   if (!std::filesystem::is_directory(folder)) return std::nullopt;
   const std::filesystem::path file = std::filesystem::temp_directory_path() / ("raybundle_" + set.name + ".json");
   std::string command = quoted(program.string()) + " detect --target " + quoted(set.board);

@@ -50,11 +50,6 @@ ProgramRun raybundle_program(const std::vector<std::string>& arguments, const st
   return run;
 }
 
-fs::path real_data(const std::string& folder) {
-  const char* place = std::getenv("RAYBUNDLE_DATA");
-  return (place != nullptr ? fs::path(place) : fs::path(RAYBUNDLE_SOURCE_DIR) / "../shared/data") / folder;
-}
-
 std::string text_of(const fs::path& file) {
   std::ostringstream text;
   text << std::ifstream(file, std::ios::binary).rdbuf();

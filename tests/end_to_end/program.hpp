@@ -12,6 +12,7 @@
 
 #include "fresh_folder.hpp"
 #include "raybundle/geometry/rigid3.hpp"
+#include "real_data.hpp"
 
 /// The program as a person runs it: its command line in, exit code, streams and files out.
 namespace raybundle::testing {
@@ -25,9 +26,6 @@ struct ProgramRun {
 /// Runs `raybundle <arguments>` with `input` on stdin. Its cache is one that only this build of the program has used,
 /// so that a test never sees what another version found.
 ProgramRun raybundle_program(const std::vector<std::string>& arguments, const std::string& input = "");
-
-/// A folder of the real data, which RAYBUNDLE_DATA places elsewhere than beside the sources.
-std::filesystem::path real_data(const std::string& folder);
 
 std::string text_of(const std::filesystem::path& file);
 void write_text(const std::filesystem::path& file, const std::string& text);

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "io_examples.hpp"
+#include "real_data.hpp"
 
 namespace raybundle::testing {
 namespace {
@@ -140,9 +141,7 @@ TEST(ObservationVnl, EveryComplaintNamesTheLine) {
 }
 
 TEST(ObservationVnl, ReadsAFileThatMrcalMade) {
-  const char* set = std::getenv("RAYBUNDLE_DATA");
-  const std::filesystem::path data = set ? set : RAYBUNDLE_SOURCE_DIR "/../shared/data";
-  const auto path = data / "mrcal_ultrawide/synthetic-board-observations.vnl";
+  const auto path = testing::real_data("mrcal_ultrawide/synthetic-board-observations.vnl");
   if (!std::filesystem::exists(path))
     GTEST_SKIP() << "there is no " << path << "; set RAYBUNDLE_DATA to read real data";
   const std::vector<VnlCamera> cameras{{"cam0", "*-cam0.xxx", {6000, 3376}}, {"cam1", "*-cam1.xxx", {6000, 3376}}};

@@ -8,6 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "../../../targets/src/chessboard.hpp"
+#include "real_data.hpp"
 
 namespace raybundle {
 namespace {
@@ -31,10 +32,7 @@ class ChessboardReal : public ::testing::TestWithParam<RealSet> {};
 
 TEST_P(ChessboardReal, BoardsAreFound) {
   const RealSet& set = GetParam();
-  const char* data = std::getenv("RAYBUNDLE_DATA");
-  const std::filesystem::path folder =
-      (data ? std::filesystem::path(data) : std::filesystem::path(RAYBUNDLE_SOURCE_DIR) / "../shared/data") /
-      set.folder;
+  const std::filesystem::path folder = testing::real_data(set.folder);
   if (!std::filesystem::is_directory(folder)) {
     GTEST_SKIP() << "there is no " << folder << "; set RAYBUNDLE_DATA to the folder of real data";
   }

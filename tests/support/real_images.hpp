@@ -3,24 +3,19 @@
 #pragma once
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
 
-namespace raybundle::testing {
+#include "real_data.hpp"
 
-/// Folder of the real images; RAYBUNDLE_DATA overrides the place beside the sources.
-inline std::filesystem::path real_data() {
-  const char* folder = std::getenv("RAYBUNDLE_DATA");
-  return folder != nullptr ? folder : std::filesystem::path(RAYBUNDLE_SOURCE_DIR) / "../shared/data";
-}
+namespace raybundle::testing {
 
 /// Image files of a folder of the real data whose names begin with `prefix`, sorted; empty when it is not there.
 inline std::vector<std::filesystem::path> real_images(const std::string& folder, const std::string& prefix = "") {
   std::vector<std::filesystem::path> files;
-  const std::filesystem::path place = real_data() / folder;
+  const std::filesystem::path place = real_data(folder);
   if (!std::filesystem::is_directory(place)) return files;
   for (const auto& entry : std::filesystem::directory_iterator(place)) {
     const std::string extension = entry.path().extension();
@@ -36,8 +31,8 @@ inline cv::Mat grey_image(const std::filesystem::path& file) { return cv::imread
 }  // namespace raybundle::testing
 
 /// Skips a test, saying so, when there are no such images.
-#define RAYBUNDLE_NEEDS_IMAGES(files, folder)                                                     \
-  if ((files).empty()) {                                                                          \
-    GTEST_SKIP() << "no real images in " << (raybundle::testing::real_data() / (folder)).string() \
-                 << ": set RAYBUNDLE_DATA to the folder that holds them to run this test";        \
+#define RAYBUNDLE_NEEDS_IMAGES(files, folder)                                                \
+  if ((files).empty()) {                                                                     \
+    GTEST_SKIP() << "no real images in " << (raybundle::testing::real_data(folder)).string() \
+                 << ": set RAYBUNDLE_DATA to the folder that holds them to run this test";   \
   }
