@@ -13,6 +13,7 @@
 #include <tuple>
 #include <utility>
 
+#include "raybundle/scene/target_spacing.hpp"
 #include "raybundle/uncertainty/frame_covariance.hpp"
 
 namespace raybundle {
@@ -20,22 +21,6 @@ namespace {
 
 constexpr double kWidestSpacing_m = 1.0;      // boards are carried by hand
 constexpr double kNarrowestSpacing_m = 2e-4;  // and their points are told apart by eye
-
-// Median distance from a point to its nearest neighbour [m].
-double spacing_m(const Target& target) {
-  std::vector<double> nearest;
-  for (const TargetPoint& point : target.points) {
-    double distance = std::numeric_limits<double>::infinity();
-    for (const TargetPoint& other : target.points) {
-      if (other.id != point.id) distance = std::min(distance, (other.x_in_target - point.x_in_target).norm());
-    }
-    nearest.push_back(distance);
-  }
-  if (nearest.empty()) return 0.0;
-  const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2);
-  std::nth_element(nearest.begin(), middle, nearest.end());
-  return *middle;
-}
 
 // Whether most corners of a view are in another one at the very same pixels, which two cameras never give. Not all of
 // them: what a first solve predicts is refined from where each camera's lens puts it.

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "raybundle/geometry/quantile.hpp"
+#include "raybundle/scene/target_spacing.hpp"
 
 namespace raybundle {
 namespace {
@@ -15,20 +15,6 @@ namespace {
 constexpr double kMinCosine = 0.2;  // of the angle between ray and board normal
 constexpr double kFloor_px = 0.1;   // of board poses and lens at the start, beside the dot's own covariance
 constexpr double kMargin = 1.5;     // spacings: a chessboard's outermost squares and the white around them
-
-/// Typical distance of a point to the nearest other one [m].
-double spacing_m(const Target& target) {
-  std::vector<double> distances;
-  for (const TargetPoint& point : target.points) {
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const TargetPoint& other : target.points) {
-      if (other.id == point.id) continue;
-      nearest = std::min(nearest, (other.x_in_target - point.x_in_target).norm());
-    }
-    distances.push_back(nearest);
-  }
-  return median(distances);
-}
 
 /// Rays of one view against its board.
 struct ViewGeometry {
@@ -132,7 +118,11 @@ double squared_sigmas(const Line3& line, const BeamHit& hit, const Eigen::Matrix
 }
 
 LaserBoards::LaserBoards(const LaserScene& scene) : scene_(scene) {
-  for (const Target& target : scene.problem.targets) surfaces_.emplace_back(target);
+  surfaces_.resize(scene.problem.targets.size());
+  for (const TargetView& view : scene.problem.views) {
+    std::optional<BoardSurface>& surface = surfaces_[view.target];
+    if (!view.dots.empty() && !surface) surface.emplace(scene.problem.targets[view.target]);
+  }
   for (const std::optional<Rigid3>& pose : scene.rig_from_target) {
     target_from_rig_.push_back(pose ? std::optional(pose->inverse()) : std::nullopt);
   }
@@ -140,7 +130,7 @@ LaserBoards::LaserBoards(const LaserScene& scene) : scene_(scene) {
 
 bool LaserBoards::expects_dot(int v, const Line3& line) const {
   const TargetView& view = scene_.problem.views[v];
-  const BoardSurface& surface = surfaces_[view.target];
+  const BoardSurface& surface = *surfaces_[view.target];
   const std::optional<Eigen::Vector3d> x = surface.crossing(*target_from_rig_[v] * line, scene_.shapes[view.target]);
   if (!x || !surface.covers(*x)) return false;
   const Camera& camera = scene_.cameras[view.camera];

@@ -38,17 +38,18 @@ std::optional<BeamHit> hit_at(const LaserScene& scene, int view, const Eigen::Ve
 double squared_sigmas(const Line3& line, const BeamHit& hit,
                       const Eigen::Matrix3d& line_covariance = Eigen::Matrix3d::Zero());
 
-/// The boards of all views, for lines to meet them.
+/// The boards of all views that have dots, for lines to meet them. Surveyed landmarks, which are no board, have none.
 class LaserBoards {
  public:
   explicit LaserBoards(const LaserScene& scene);
 
-  /// Whether a dot is to be expected: the line meets the board of this view amid its points, and the camera sees it.
+  /// Whether a dot is to be expected: the line meets the board of this view, which has dots, amid its points, and the
+  /// camera sees it.
   bool expects_dot(int view, const Line3& line) const;
 
  private:
   const LaserScene& scene_;
-  std::vector<BoardSurface> surfaces_;                  // aligned with problem.targets
+  std::vector<std::optional<BoardSurface>> surfaces_;   // aligned with problem.targets
   std::vector<std::optional<Rigid3>> target_from_rig_;  // aligned with problem.views
 };
 

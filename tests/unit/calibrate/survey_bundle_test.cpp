@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <random>
 
+#include "laser_world.hpp"
 #include "raybundle/calibrate/calibrate.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "synthetic_world.hpp"
@@ -211,6 +212,24 @@ TEST(SurveyInTheBundle, StarsOfOneCameraAndTowersOfTheOther) {
   for (const SurveyImage& image : result.survey->images) {
     EXPECT_LT(image.rms_px, 1e-6) << image.image << image.camera;
     EXPECT_EQ(std::ranges::count(image.landmarks, false, &LandmarkResidual::used), 0) << image.image << image.camera;
+  }
+}
+
+// Landmarks are no board: beams are found beside them.
+TEST(SurveyInTheBundle, BeamsAreFoundBesideLandmarks) {
+  SyntheticWorld world = synthetic_world(testing::laser_rig_options(30, 4));
+  const testing::LaserTruth truth = testing::add_laser(world, {.noise_px = 0, .brightest_factor = 2.0, .seed = 4});
+  world.problem.laser->brightest = 60;
+  world.problem.survey = survey_of(world, {});
+  const CalibrationResult result = calibrate(world.problem);
+  ASSERT_TRUE(result.survey && result.calibration.laser);
+  EXPECT_EQ(result.survey->images.size(), 2u);
+  EXPECT_LT(largest_error(result, world), 1e-7);
+  const LaserPattern& pattern = *result.calibration.laser;
+  EXPECT_GT(pattern.beams.size(), 110u);
+  for (const LaserBeam& beam : pattern.beams) {
+    const Line3& line = *truth.lines[pattern.grid.index(beam.row, beam.column)];
+    EXPECT_LT(motion_between(beam.line, line).head<2>().norm(), 1e-6);
   }
 }
 
