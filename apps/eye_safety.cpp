@@ -11,6 +11,8 @@
 #include "number_flags.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
+#include "raybundle/scene/laser.hpp"
+#include "terminal.hpp"
 #include "verbs.hpp"
 
 namespace raybundle::apps {
@@ -42,19 +44,40 @@ const SafetyEdition& edition_of(const SafetyFlags& flags) {
   return *std::ranges::find(kSafetyEditions, flags.edition, &SafetyEdition::name);
 }
 
+// Beams that nothing determined leave the projector, too, as far as anybody knows: where the grating's model says.
+std::vector<Line3> lines_of(const LaserPattern& laser) {
+  std::vector<Line3> lines;
+  std::vector<bool> determined(static_cast<std::size_t>(laser.grid.size()), false);
+  for (const LaserBeam& beam : laser.beams) {
+    lines.push_back(beam.line);
+    determined[static_cast<std::size_t>(laser.grid.index(beam.row, beam.column))] = true;
+  }
+  for (int beam = 0; laser.grating && beam < laser.grid.size(); ++beam) {
+    if (determined[static_cast<std::size_t>(beam)]) continue;
+    const auto line = beam_of_order(*laser.grating, laser.grid.column(beam) - laser.zero_order_column,
+                                    laser.grid.row(beam) - laser.zero_order_row);
+    if (line) lines.push_back(*line);
+  }
+  return lines;
+}
+
+// The power is taken to be shared by the beams that are surely there, which are the calibrated ones.
+void take_beams(const std::string& path, double distance_m, Judgement& judgement) {
+  const std::optional<LaserPattern> laser = read_calibration(path).calibration.laser;
+  if (!laser || laser->beams.empty()) throw Error(ErrorKind::kBadInput, "holds no laser beams", path);
+  judgement.beams = static_cast<int>(laser->beams.size());
+  judgement.in_aperture = beams_in_aperture(lines_of(*laser), distance_m);
+  if (laser->grating || judgement.beams == laser->grid.size()) return;
+  say_warning(
+      fmt::format("{} holds lines of {} of the grating's {} beams and no model of the others, which may enter the "
+                  "aperture, too: the limit in all is too high by as much",
+                  path, judgement.beams, laser->grid.size()));
+}
+
 Judgement judge(const SafetyFlags& flags) {
   const SafetyEdition& edition = edition_of(flags);
   Judgement judgement{.limit = safety_limit(flags.drive, edition), .beams = flags.beams};
-  if (!flags.calibration.empty()) {
-    const CalibrationFile file = read_calibration(flags.calibration);
-    if (!file.calibration.laser || file.calibration.laser->beams.empty()) {
-      throw Error(ErrorKind::kBadInput, "holds no laser beams", flags.calibration);
-    }
-    std::vector<Line3> lines;
-    for (const LaserBeam& beam : file.calibration.laser->beams) lines.push_back(beam.line);
-    judgement.beams = file.calibration.laser->grid.size();
-    judgement.in_aperture = beams_in_aperture(lines, edition.distance_m);
-  }
+  if (!flags.calibration.empty()) take_beams(flags.calibration, edition.distance_m, judgement);
   judgement.one_fault_W = judgement.limit.least_W();
   judgement.total_W = judgement.limit.least_W() * judgement.beams / (judgement.in_aperture * flags.brightest);
   return judgement;
@@ -125,9 +148,8 @@ void add_eye_safety_verb(CLI::App& app) {
   verb->add_option("--pulse", flags->pulse_us, "length of a pulse [µs]")->capture_default_str();
   verb->add_option("--rate", flags->drive.rate_Hz, "pulses in a second [Hz]")->capture_default_str();
   verb->add_option("--source", flags->drive.source_mrad, "apparent size of the source [mrad]")->capture_default_str();
-  verb->add_option("--beams", flags->beams, "that the laser is split into")
-      ->check(CLI::Range(1, 1 << 20))
-      ->capture_default_str();
+  CLI::Option* beams = verb->add_option("--beams", flags->beams, "that the laser is split into");
+  beams->check(CLI::Range(1, 1 << 20))->capture_default_str();
   verb->add_option("--brightest", flags->brightest,
                    "power of the brightest beam over the mean: gratings never split evenly")
       ->check(CLI::Range(1.0, 1e6))
@@ -135,6 +157,7 @@ void add_eye_safety_verb(CLI::App& app) {
   verb->add_option("--calibration", flags->calibration,
                    "takes the beams from calibration.json, and counts those that "
                    "enter the aperture together")
+      ->excludes(beams)
       ->type_name("CALIBRATION");
   verb->add_option("--power", flags->power_mW,
                    "of the laser during the pulse, to be judged: exit code 1 when above [mW]")

@@ -183,6 +183,27 @@ TEST(Laser, ImagesGiveTheBeams) {
   EXPECT_LT(distances.back(), 0.05);  // no label is wrong: a step of the grid is 15 cm
 }
 
+// What a calibration knows of fewer beams never permits more power: those it does not know are there all the same.
+TEST(EyeSafety, BeamsThatNothingDeterminedPermitNothing) {
+  const fs::path folder = fresh_folder();
+  ASSERT_EQ(simulate(folder / "sim", {"--frames", "60", "--seed", "7", "--no-images"}).exit_code, 0);
+  calibrate(folder, {"--observations", (folder / "sim/observations.json").string()});
+  nlohmann::json calibration = json_of(folder / "out/calibration.json");
+  const auto judged = [&] {
+    write_text(folder / "some.json", calibration.dump());
+    const ProgramRun run = raybundle_program(
+        {"eye-safety", "--edition", "1993", "--calibration", (folder / "some.json").string(), "--json"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return nlohmann::json::parse(run.out);
+  };
+  const nlohmann::json all = judged();
+  nlohmann::json& beams = calibration["laser"]["beams"];
+  for (std::size_t i = 0; i < beams.size(); ++i) beams.erase(i);
+  const nlohmann::json half = judged();
+  EXPECT_EQ(half["beams_in_aperture"], all["beams_in_aperture"]);
+  EXPECT_LT(half["permissible_total_mW"].get<double>(), all["permissible_total_mW"].get<double>());
+}
+
 // A click on a dot of another beam moves all labels with it; one that is nowhere near a dot is refused.
 TEST(Laser, TheAnchorDecidesWhichBeamIsWhich) {
   const fs::path folder = fresh_folder();
