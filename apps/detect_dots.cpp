@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <map>
 #include <opencv2/imgproc.hpp>
 #include <string_view>
@@ -79,6 +80,13 @@ std::string_view without_zeros(std::string_view frame) {
   return frame;
 }
 
+// From a pixel to the nearest dot of a view; infinite without dots.
+double distance_to_dots_px(const TargetView& view, const Eigen::Vector2d& pixel) {
+  double nearest_px = std::numeric_limits<double>::infinity();
+  for (const Dot& dot : view.dots) nearest_px = std::min(nearest_px, (dot.pixel - pixel).norm());
+  return nearest_px;
+}
+
 }  // namespace
 
 void add_dots(const Dataset& dataset, const DetectOptions& options, DetectedImages& images) {
@@ -138,16 +146,24 @@ void set_anchor(const DatasetAnchor& anchor, CalibrationProblem& problem) {
     throw Error(ErrorKind::kBadInput, fmt::format("the anchor names camera {}, which the data set does not have.{}",
                                                   anchor.camera, did_you_mean(anchor.camera, cameras)));
   }
+  std::optional<LaserAnchor> found;
+  double nearest_px = std::numeric_limits<double>::infinity();
   for (std::size_t v = 0; v < problem.views.size(); ++v) {
     const TargetView& view = problem.views[v];
     if (problem.cameras[view.camera].name != anchor.camera) continue;
     if (without_zeros(problem.frames[view.frame]) != without_zeros(anchor.frame)) continue;
-    problem.laser->anchor = LaserAnchor{static_cast<int>(v), anchor.pixel, grid.index(anchor.row, anchor.column)};
-    return;
+    const double distance_px = distance_to_dots_px(view, anchor.pixel);
+    if (found && !(distance_px < nearest_px)) continue;  // of several boards, the one whose dot is meant
+    nearest_px = distance_px;
+    found = LaserAnchor{static_cast<int>(v), anchor.pixel, grid.index(anchor.row, anchor.column)};
   }
-  throw Error(ErrorKind::kBadInput, fmt::format("the anchor is in frame {} of camera {}, in which no board was found; "
-                                                "name a dot in another image",
-                                                anchor.frame, anchor.camera));
+  if (!found) {
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("the anchor is in frame {} of camera {}, in which no board was found; "
+                            "name a dot in another image",
+                            anchor.frame, anchor.camera));
+  }
+  problem.laser->anchor = found;
 }
 
 }  // namespace raybundle::apps

@@ -10,6 +10,7 @@
 #include <map>
 #include <thread>
 
+#include "image_files.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "terminal.hpp"
 
@@ -42,13 +43,6 @@ class Interruption {
   std::array<void (*)(int), kSignals.size()> before_{};
 };
 
-bool is_image(const fs::path& path) {
-  static constexpr std::array kEndings{".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".tif", ".tiff"};
-  std::string ending = path.extension().string();
-  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::ranges::find(kEndings, ending) != kEndings.end();
-}
-
 struct WatchedFile {
   std::uintmax_t size = 0;
   fs::file_time_type time;
@@ -62,7 +56,7 @@ void look(const fs::path& folder, std::map<fs::path, WatchedFile>& files) {
   fs::directory_iterator entries(folder, gone);
   if (gone) throw Error(ErrorKind::kIo, "is no folder to watch; make it first", folder.string());
   for (const auto& entry : entries) {
-    if (!is_image(entry.path())) continue;
+    if (!is_image(entry.path().string())) continue;
     const auto known = files.find(entry.path());
     if (known != files.end() && known->second.done) continue;
     const auto size = entry.file_size(gone);

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "detect_dots.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "terminal.hpp"
 
@@ -75,6 +76,23 @@ TEST(AnchorFlag, NamesADotAndItsBeam) {
   for (const char* flag : {"", "left", "left/12", "/12:1,2=3,4", "left/:1,2=3,4", "left/12:1,2", "left/12:1,2=3",
                            "left/12:1=3,4", "left/12:1,2=3,4,5", "left/12:nan,2=3,4", "left/12:1,2=3.5,4"}) {
     EXPECT_THROW(anchor_from_flag(flag), Error) << flag;
+  }
+}
+
+// Of two boards in one image the one whose dot was clicked.
+TEST(SetAnchor, IsOnTheBoardOfTheNearestDot) {
+  CalibrationProblem problem;
+  problem.cameras.resize(1);
+  problem.cameras[0].name = "left";
+  problem.frames = {"12"};
+  problem.laser.emplace().grid = {11, 11};
+  problem.views.resize(3);
+  for (int target = 0; target < 3; ++target) problem.views[target].target = target;
+  problem.views[1].dots = {{.pixel = {100, 100}}, {.pixel = {320, 200}}};
+  problem.views[2].dots = {{.pixel = {300, 200}}};
+  for (const auto& [u, view] : {std::pair(312.0, 1), std::pair(304.0, 2), std::pair(101.0, 1)}) {
+    set_anchor({"left", "12", {u, u < 200 ? 101.0 : 202.0}, 5, 7}, problem);
+    EXPECT_EQ(problem.laser->anchor->view, view) << u;
   }
 }
 
