@@ -183,14 +183,21 @@ double seconds_of(const CalibrationResult& result, std::string_view name) {
   return seconds;
 }
 
-// Seconds of the stages in the order of the work. `refine` is everything from the first solve to the last, but for the
-// uncertainty of the last, which is the one that is reported.
+// Seconds of the stages in the order of the work. `refine` is everything from the first solve to the last, but for what
+// the last one reports: of stages that ran in both, the first time belongs to it.
 std::vector<StageTime> stages_of(double detect_seconds, const CalibrationResult& first, const CalibrationResult& last,
                                  double refine_seconds, bool refined) {
-  const double first_uncertainty = seconds_of(first, "uncertainty"), last_uncertainty = seconds_of(last, "uncertainty");
-  if (refined) refine_seconds += first_uncertainty - last_uncertainty - seconds_of(last, "laser");
-  return {{"detect", detect_seconds}, {"start", seconds_of(first, "start")}, {"solve", seconds_of(first, "solve")},
-          {"refine", refine_seconds}, {"laser", seconds_of(last, "laser")},  {"uncertainty", last_uncertainty}};
+  std::vector<StageTime> reported;
+  for (const char* name : {"survey", "laser", "uncertainty"}) {
+    reported.push_back({name, seconds_of(last, name)});
+    if (refined) refine_seconds += seconds_of(first, name) - seconds_of(last, name);
+  }
+  std::vector<StageTime> stages{{"detect", detect_seconds},
+                                {"start", seconds_of(first, "start")},
+                                {"solve", seconds_of(first, "solve")},
+                                {"refine", refine_seconds}};
+  std::ranges::move(reported, std::back_inserter(stages));
+  return stages;
 }
 
 // The current folder, where image paths start, as seen from another one.

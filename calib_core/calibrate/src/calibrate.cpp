@@ -335,7 +335,7 @@ std::vector<std::string> contradicted_values(const CalibrationProblem& problem, 
   std::erase_if(freed.rules, is_given);
   double times = 0.0;
   try {
-    times = corner_noise(problem, result) / corner_noise(freed, calibrate_as_weighed(freed, options));
+    times = corner_noise(problem, result) / corner_noise(freed, calibrate_weighing_priors(freed, options));
   } catch (const Error&) {  // the data do not determine what was given
     return {};
   }

@@ -21,8 +21,8 @@ struct JointSolve {
 /// @param sigmas_alone  aligned with problem.cameras: robust_sigmas of each by itself [sigmas of a corner]
 /// @param start         cameras as they are alone, rig and boards as they start; its summary tells how a single camera's
 ///                      solve alone ended
-/// @throws Error(kSolveFailed); Error(kNotEnoughData) when boards of other sizes have come together, or the frames do
-///         not tie the cameras
+/// @throws Error(kSolveFailed); Error(kBadInput) when boards of other sizes have come together; Error(kNotEnoughData)
+///         when the frames do not tie the cameras
 JointSolve solve_jointly(const CalibrationProblem& problem, const CalibrateOptions& options,
                          const std::vector<double>& sigmas_alone, SolvedState start);
 

@@ -104,6 +104,7 @@ void mark_view(const CalibrationProblem& problem, const std::vector<double>& dis
 // some corners and leaves that of others; where it swallows much, the median tells too little, and the corners that are
 // not outliers tell it by their sum.
 double fitted_sigma(std::vector<double> distances, double unknowns) {
+  if (distances.empty()) return std::numeric_limits<double>::infinity();
   const auto degrees_of_freedom = [&](double corners) { return std::max(2.0 * corners - unknowns, 0.5 * corners); };
   const auto corners = static_cast<double>(distances.size());
   const double sigma = std::sqrt(2.0 * corners / degrees_of_freedom(corners)) * median(distances) / kRayleighMedian;

@@ -117,7 +117,8 @@ bool review_ties(const CalibrationProblem& problem, BundleState& state, const Ca
   const std::vector<TieCheck> checks =
       check_ties(problem, tied.cameras, tied.camera_from_rig, tied.poses, tied.pose_of_view);
   review.untied = views_out_of_sight(problem, tied);
-  review.strict = false;
+  review.doubtful = review.strict = false;
+  review.typical_px = 0.0;
   if (checks.empty()) return false;
   const double limit = tie_limit(checks, options.tie_sigma, review);
   std::vector<double> tied_px;

@@ -36,7 +36,7 @@ struct CalibrateOptions {
 /// Intrinsics, extrinsics, board poses and board shapes in one bundle adjustment, from observations alone.
 /// See src/calibrate.cpp: the pipeline, step by step.
 ///
-/// @throws Error(kBadInput) for a problem that breaks an invariant, Error(kNotEnoughData) when the views cannot
+/// @throws Error(kBadInput) for a problem that breaks an invariant or mixes boards of two sizes, Error(kNotEnoughData) when the views cannot
 ///         determine the answer, Error(kSolveFailed) when the solve breaks down
 CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOptions& options = {});
 
