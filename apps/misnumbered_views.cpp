@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/quantile.hpp"
 #include "terminal.hpp"
 
 namespace raybundle::apps {
@@ -51,12 +52,6 @@ int handedness(const Corners& corners) {
   const double determinant = products.determinant();
   if (std::abs(determinant) <= kFlattest * products.squaredNorm()) return 0;
   return determinant > 0 ? 1 : -1;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Whether the pixels are a smooth function of the places on the board, of which a cubic is enough to tell.

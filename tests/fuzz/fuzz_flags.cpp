@@ -4,6 +4,7 @@
 #include "fuzz_reader.hpp"
 #include "raybundle/io/frame_names.hpp"
 #include "raybundle/scene/suggestion.hpp"
+#include "raybundle/scene/wildcard.hpp"
 
 // What stands on the command line: rules, cameras, and the names of files.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

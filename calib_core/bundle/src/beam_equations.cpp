@@ -159,8 +159,7 @@ double NormalEquations::add_priors(const Unknowns& unknowns, const std::vector<P
                                    BlockSystem& system) const {
   for (std::size_t b = 0; b < layout_.blocks.size(); ++b) {
     if (priors[b].residual.size() == 0) continue;
-    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(priors[b].residual.size(), layout_.columns);
-    layout_.scatter(layout_.blocks[b].kind, layout_.blocks[b].owner, priors[b].jacobian, rows);
+    const Eigen::MatrixXd rows = prior_rows(layout_, layout_.blocks[b], priors[b]);
     system.shared.matrix += rows.transpose() * rows;
     system.shared.gradient += rows.transpose() * priors[b].residual;
     system.chi2 += priors[b].residual.squaredNorm();

@@ -100,8 +100,7 @@ ReducedInformation reduced_information(const CalibrationProblem& problem, const 
   for (const ParameterBlock& block : layout.blocks) {
     if (block.with_prior().empty()) continue;
     const PriorResidual prior = prior_residual(block, prior_mean(problem, state, block), current_values(state, block));
-    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(prior.residual.size(), layout.columns);
-    layout.scatter(block.kind, block.owner, prior.jacobian, rows);
+    const Eigen::MatrixXd rows = prior_rows(layout, block, prior);
     result.information += rows.transpose() * rows;
     result.chi2 += prior.residual.squaredNorm();
     result.residuals += static_cast<int>(prior.residual.size());

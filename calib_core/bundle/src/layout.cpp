@@ -29,4 +29,10 @@ std::vector<int> Layout::columns_of(ParameterBlock::Kind kind, int owner) const 
 
 bool Layout::estimates_shape(int target) const { return !free[block(ParameterBlock::Kind::kShape, target)].empty(); }
 
+Eigen::MatrixXd prior_rows(const Layout& layout, const ParameterBlock& block, const PriorResidual& prior) {
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(prior.residual.size(), layout.columns);
+  layout.scatter(block.kind, block.owner, prior.jacobian, rows);
+  return rows;
+}
+
 }  // namespace raybundle

@@ -35,4 +35,7 @@ struct Layout {
   }
 };
 
+/// Rows of a block's priors by all free parameters.
+Eigen::MatrixXd prior_rows(const Layout& layout, const ParameterBlock& block, const PriorResidual& prior);
+
 }  // namespace raybundle

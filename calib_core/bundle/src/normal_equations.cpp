@@ -234,8 +234,7 @@ void NormalEquations::add_priors(const Linearization& at, Reduced& reduced) cons
   for (std::size_t b = 0; b < layout_.blocks.size(); ++b) {
     const PriorResidual& prior = at.priors[b];
     if (prior.residual.size() == 0) continue;
-    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(prior.residual.size(), layout_.columns);
-    layout_.scatter(layout_.blocks[b].kind, layout_.blocks[b].owner, prior.jacobian, rows);
+    const Eigen::MatrixXd rows = prior_rows(layout_, layout_.blocks[b], prior);
     reduced.matrix += rows.transpose() * rows;
     reduced.gradient += rows.transpose() * prior.residual;
     reduced.diagonal += rows.colwise().squaredNorm().transpose();

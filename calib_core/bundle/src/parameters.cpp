@@ -8,34 +8,14 @@
 #include "dot_rows.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/scene/parameter_names.hpp"
+#include "raybundle/scene/wildcard.hpp"
 
 namespace raybundle {
 namespace {
 
 using RuleKind = ParameterRule::Kind;
 
-// Wildcards: * any run of characters, ? any one.
-bool matches(std::string_view pattern, std::string_view text) {
-  std::size_t p = 0;
-  std::size_t t = 0;
-  std::size_t star = std::string_view::npos;
-  std::size_t star_text = 0;
-  while (t < text.size()) {
-    if (p < pattern.size() && pattern[p] == '*') {
-      star = p++;
-      star_text = t;
-    } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == text[t])) {
-      ++p;
-      ++t;
-    } else if (star != std::string_view::npos) {
-      p = star + 1;
-      t = ++star_text;
-    } else {
-      return false;
-    }
-  }
-  return std::ranges::all_of(pattern.substr(p), [](char c) { return c == '*'; });
-}
+constexpr double kSmallestPriorSigma = 1e-12;  // whatever the unit: sums of squares still tell it from nothing
 
 ParameterBlock make_block(ParameterBlock::Kind kind, int owner, std::string group,
                           const std::vector<std::string>& names) {
@@ -58,7 +38,7 @@ void fix_all(ParameterBlock& block) {
 }
 
 bool speaks_of(const ParameterRule& rule, const ParameterBlock& block, const Parameter& parameter) {
-  return matches(rule.pattern, block.group) || matches(rule.pattern, parameter.name);
+  return matches_pattern(block.group, rule.pattern) || matches_pattern(parameter.name, rule.pattern);
 }
 
 // A focal length of zero or less projects nothing, and the solve would break down over it.
@@ -72,6 +52,11 @@ void require_focal_length(const ParameterRule& rule, const ParameterBlock& block
 void apply_rule(const ParameterRule& rule, std::vector<ParameterBlock>& blocks) {
   if (rule.kind == RuleKind::kPrior && !(rule.sigma > 0.0)) {
     throw Error(ErrorKind::kBadInput, "the prior on '" + rule.pattern + "' needs a sigma above zero");
+  }
+  if (rule.kind == RuleKind::kPrior && rule.sigma < kSmallestPriorSigma) {
+    throw Error(ErrorKind::kBadInput,
+                "the prior on '" + rule.pattern +
+                    "' has a sigma below what rounding leaves; to keep its value, fix it instead");
   }
   bool matched = false;
   for (ParameterBlock& block : blocks) {

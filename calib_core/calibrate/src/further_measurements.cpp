@@ -135,7 +135,7 @@ void fill_covariance(const CalibrationProblem& problem, const BundleState& state
   result.calibration.covariance_by_frame.reset();
   if (static_cast<int>(frames.size()) >= kFewestFrames) {
     result.calibration.covariance_by_frame =
-        covariance_by_frame(information, frames, repeated_errors(problem, state, options, information.names));
+        covariance_by_frame(information, frames, repeated_errors(problem, state, information.names));
   }
   if (result.calibration.covariance_by_frame) {
     const auto warning = frame_scatter_warning(known.covariance, *result.calibration.covariance_by_frame,

@@ -6,14 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "raybundle/geometry/quantile.hpp"
+
 namespace raybundle {
 namespace {
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Halfway between the places where two lines come nearest to each other; nothing when they are nearly parallel.
 std::optional<Eigen::Vector3d> closest_point(const Line3& a, const Line3& b) {
@@ -41,14 +37,17 @@ std::optional<BeamSource> source_of(const std::vector<Line3>& lines) {
   for (std::size_t i = 0; i < lines.size(); ++i) {
     for (std::size_t k = i + 1; k < lines.size(); ++k) {
       const std::optional<Eigen::Vector3d> place = closest_point(lines[i], lines[k]);
-      const double spread_m = place ? median(distances_from(lines, *place)) : INFINITY;
+      if (!place) continue;
+      std::vector<double> distances = distances_from(lines, *place);
+      const double spread_m = median(distances);
       if (spread_m < source.spread_m) source = {*place, spread_m};
     }
   }
   if (!std::isfinite(source.spread_m)) return std::nullopt;
   for (int iteration = 0; iteration < 10; ++iteration) {
     const std::vector<double> distances = distances_from(lines, source.apex);
-    source.spread_m = std::max(1e-4, median(distances));
+    std::vector<double> by_size = distances;
+    source.spread_m = std::max(1e-4, median(by_size));
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < lines.size(); ++i) {

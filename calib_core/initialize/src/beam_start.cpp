@@ -158,9 +158,6 @@ void label_dots(const LaserScene& scene, const std::vector<BeamHit>& hits, const
     }
   }
   for (std::size_t i = 0; i < hits.size(); ++i) start.beam_of_dot[hits[i].view][hits[i].dot] = label[i];
-  for (const std::vector<int>& beams : start.beam_of_dot) {
-    start.unlabelled += static_cast<int>(std::ranges::count(beams, kUnlabelled));
-  }
 }
 
 }  // namespace

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "raybundle/initialize/rig_start.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -119,16 +117,6 @@ Opinion best_opinion(const SharedBoard& board, const std::vector<Rigid3>& camera
   return *best;
 }
 
-std::string reason_of(const CalibrationProblem& problem, const PosedView& a, const PosedView& b, const Disagreement& d,
-                      double spread) {
-  std::string reason =
-      fmt::format("{} and {} disagree by {:.1f}° and {:.0f} mm about the board's place", problem.cameras[a.camera].name,
-                  problem.cameras[b.camera].name, d.angle_rad * 180 / M_PI, d.distance_m * 1e3);
-  const double times = d.size / std::max(spread, 1e-12);
-  if (times < 1e4) reason += fmt::format(", {:.0f} times the spread of the other frames", times);
-  return reason;
-}
-
 /// Spread of the views' disagreement with the best view of their board, over all boards.
 double common_spread(const std::vector<SharedBoard>& boards, const std::vector<Rigid3>& camera_from_rig) {
   std::vector<double> sizes;
@@ -152,8 +140,7 @@ RigStart initialize_rig(const CalibrationProblem& problem, const std::vector<std
   start.pose_of_view.assign(problem.views.size(), -1);
   start.symmetry_of_view.assign(problem.views.size(), -1);
 
-  const double spread = common_spread(boards, start.camera_from_rig);
-  const double limit = agreement_limit(spread);
+  const double limit = agreement_limit(common_spread(boards, start.camera_from_rig));
   const auto add_pose = [&](const SharedBoard& board, const PosedView& view, int candidate) {
     const Rigid3& camera_from_target_of_view = view.camera_from_target[candidate];
     start.pose_of_view[view.view] = static_cast<int>(start.poses.size());
@@ -165,7 +152,6 @@ RigStart initialize_rig(const CalibrationProblem& problem, const std::vector<std
     const PosedView& reference = board.views[opinion.reference];
     add_pose(board, reference, opinion.agreeing > 1 ? opinion.reference_pose : 0);
     const int shared = start.pose_of_view[reference.view];
-    bool reference_named = opinion.agreeing > 1;  // with nobody on its side it is as doubtful as the others
     for (std::size_t i = 0; i < board.views.size(); ++i) {
       if (i == opinion.reference) continue;
       const PosedView& view = board.views[i];
@@ -173,16 +159,11 @@ RigStart initialize_rig(const CalibrationProblem& problem, const std::vector<std
       if (d.size <= limit) {
         start.pose_of_view[view.view] = shared;
         start.symmetry_of_view[view.view] = view.symmetry[d.candidate];
-        continue;
+      } else {
+        add_pose(board, view, 0);
       }
-      add_pose(board, view, 0);
-      const std::string reason = reason_of(problem, reference, view, d, spread);
-      if (!reference_named) start.set_aside.push_back({reference.view, SetAside::Scope::kExtrinsics, reason});
-      reference_named = true;
-      start.set_aside.push_back({view.view, SetAside::Scope::kExtrinsics, reason});
     }
   }
-  std::ranges::stable_sort(start.set_aside, {}, &SetAside::view);
   return start;
 }
 

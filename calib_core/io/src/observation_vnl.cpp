@@ -9,6 +9,7 @@
 #include "raybundle/io/observation_tables.hpp"
 #include "raybundle/scene/csv.hpp"
 #include "raybundle/scene/number.hpp"
+#include "raybundle/scene/wildcard.hpp"
 
 namespace raybundle {
 namespace {

@@ -123,41 +123,18 @@ Repeats repeats_among(const std::vector<Frame>& frames, const std::vector<double
 
 double cell_of(ImageSize size) { return std::max(size.width, size.height) / static_cast<double>(kEvidenceCells); }
 
-ViewBlock linearized(const BundleState& state, const ViewData& view, bool with_shape) {
-  const BoardShape& shape = state.shapes[view.target];
-  const ViewPoint point{state.cameras[view.camera].parameters.data(), state.camera_from_rig[view.camera],
-                        state.poses[view.pose].rig_from_target, shape.sags()};
-  ViewBlock block;
-  linearize_view(view, point, {.with_shape = with_shape}, block);
-  return block;
-}
-
-// A frame's whitened rows by the parameters after its board pose has followed them.
-Eigen::MatrixXd rows_of(const CalibrationProblem& problem, const BundleState& state, bool with_shape,
-                        const std::vector<ViewData>& views, const Covariance& parameters) {
-  Eigen::Index rows = 0;
-  for (const ViewData& view : views) rows += 2 * view.pixel.rows();
-  Eigen::MatrixXd by_pose(rows, 6);
-  Eigen::MatrixXd by_parameters = Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(parameters.names.size()));
-  Eigen::Index first = 0;
-  for (const ViewData& view : views) {
-    const RigCamera named{problem.cameras[view.camera].name, state.cameras[view.camera], {}};
-    const ViewBlock block = linearized(state, view, with_shape);
-    const Eigen::Index count = 2 * view.pixel.rows();
-    by_pose.middleRows(first, count) = block.wrt_rig_from_target.topRows(count);
-    auto here = by_parameters.middleRows(first, count);
-    scatter(block.wrt_intrinsics.topRows(count), parameters.places_of(intrinsic_names(named)), here);
-    scatter(block.wrt_camera_from_rig.topRows(count), parameters.places_of(extrinsic_names(named)), here);
-    if (block.wrt_shape.cols() > 0) {
-      const std::vector<int> places = parameters.places_of(shape_names(problem.targets[view.target].name));
-      scatter(block.wrt_shape.topRows(count), places, here);
-    }
-    first += count;
+// What a state says, with the names of parameters for those that its rows are wanted by.
+Calibration calibration_of(const CalibrationProblem& problem, const BundleState& state,
+                           const std::vector<std::string>& names) {
+  Calibration calibration;
+  calibration.covariance.names = names;
+  for (std::size_t c = 0; c < state.cameras.size(); ++c) {
+    calibration.cameras.push_back({problem.cameras[c].name, state.cameras[c], state.camera_from_rig[c]});
   }
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(by_pose);
-  const Eigen::MatrixXd along = qr.householderQ() * Eigen::MatrixXd::Identity(rows, 6);
-  by_parameters -= along * (along.transpose() * by_parameters);
-  return by_parameters;
+  for (std::size_t t = 0; t < problem.targets.size(); ++t) {
+    calibration.targets.push_back({problem.targets[t], state.shapes[t]});
+  }
+  return calibration;
 }
 
 // Rows of the corners that two frames share, in the same order.
@@ -200,7 +177,7 @@ FrameRepetition frame_repetition(const CalibrationProblem& problem, const Calibr
 }
 
 std::optional<Eigen::MatrixXd> repeated_errors(const CalibrationProblem& problem, const BundleState& state,
-                                               const BundleOptions& options, const std::vector<std::string>& names) {
+                                               const std::vector<std::string>& names) {
   std::vector<double> cell_px;
   for (const Camera& camera : state.cameras) cell_px.push_back(cell_of(camera.size));
   const std::vector<Frame> frames = frames_of(problem, state);
@@ -212,9 +189,12 @@ std::optional<Eigen::MatrixXd> repeated_errors(const CalibrationProblem& problem
   for (ViewData& view : used_views(problem, state)) {
     if (paired[view.pose]) views[view.pose].push_back(std::move(view));
   }
+  const Calibration calibration = calibration_of(problem, state, names);
   std::vector<Eigen::MatrixXd> rows(frames.size());
   for (std::size_t frame = 0; frame < frames.size(); ++frame) {
-    if (paired[frame]) rows[frame] = rows_of(problem, state, options.estimate_shape, views[frame], {names, {}});
+    if (!paired[frame]) continue;
+    const Eigen::MatrixXd of_frame = rows_beside_pose(calibration, views[frame], state.poses[frame].rig_from_target);
+    rows[frame] = of_frame.leftCols(of_frame.cols() - 1);
   }
   const auto size = static_cast<Eigen::Index>(names.size());
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(size, size);

@@ -176,15 +176,6 @@ const Choice& best_choice(const Objective& objective, const Knowledge& known, st
 
 }  // namespace
 
-Covariance covariance_with_board(const Calibration& calibration, int target, const Rigid3& rig_from_target,
-                                 double sigma_px) {
-  const std::vector<ViewData> views = imagined_views(calibration, target, rig_from_target, sigma_px);
-  Covariance covariance = calibration.covariance;
-  if (views.empty() || covariance.names.empty()) return covariance;
-  covariance.matrix = updated(covariance.matrix, pose_information(calibration, views, rig_from_target).information);
-  return covariance;
-}
-
 NextViews next_best_views(const CalibrationProblem& problem, const CalibrationResult& result,
                           const std::optional<Requirement>& requirement, int count) {
   const Calibration& calibration = result.calibration;

@@ -25,39 +25,41 @@ ViewData view_of(int camera, int target, ModelId model, Eigen::Index rows) {
 
 }  // namespace
 
-PoseInformation pose_information(const Calibration& calibration, const std::vector<ViewData>& views,
+Eigen::MatrixXd rows_beside_pose(const Calibration& calibration, const std::vector<ViewData>& views,
                                  const Rigid3& rig_from_target) {
   const Covariance& known = calibration.covariance;
   const auto columns = static_cast<Eigen::Index>(known.names.size());
-  PoseInformation sum{Eigen::MatrixXd::Zero(columns, columns), Eigen::VectorXd::Zero(columns)};
-  Eigen::Index rows = 0;
-  for (const ViewData& view : views) rows += 2 * view.pixel.rows();
-  if (rows == 0) return sum;
-  Eigen::MatrixXd by_pose(rows, 6), by_all = Eigen::MatrixXd::Zero(rows, columns + 1);  // last column: the residual
-  Eigen::Index row = 0;
+  Eigen::Index count = 0;
+  for (const ViewData& view : views) count += 2 * view.pixel.rows();
+  Eigen::MatrixXd by_pose(count, 6), rows = Eigen::MatrixXd::Zero(count, columns + 1);
+  Eigen::Index first = 0;
   for (const ViewData& view : views) {
     const RigCamera& camera = calibration.cameras[view.camera];
     const CalibratedTarget& target = calibration.targets[view.target];
     const BoardShape& shape = target.shape;
     const ViewPoint point{camera.camera.parameters.data(), camera.camera_from_rig, rig_from_target, shape.sags()};
     ViewBlock block;
-    if (!linearize_view(view, point, {.with_shape = true}, block)) return sum;
-    const Eigen::Index count = 2 * view.pixel.rows();
-    by_pose.middleRows(row, count) = block.wrt_rig_from_target.topRows(count);
-    auto here = by_all.middleRows(row, count);
-    scatter(block.wrt_intrinsics.topRows(count), known.places_of(intrinsic_names(camera)), here);
-    scatter(block.wrt_camera_from_rig.topRows(count), known.places_of(extrinsic_names(camera)), here);
-    scatter(block.wrt_shape.topRows(count), known.places_of(shape_names(target.target.name)), here);
-    here.rightCols<1>() = block.residual.head(count);
-    row += count;
+    if (!linearize_view(view, point, {.with_shape = true}, block)) return Eigen::MatrixXd::Zero(count, columns + 1);
+    const Eigen::Index of_view = 2 * view.pixel.rows();
+    by_pose.middleRows(first, of_view) = block.wrt_rig_from_target.topRows(of_view);
+    auto here = rows.middleRows(first, of_view);
+    scatter(block.wrt_intrinsics.topRows(of_view), known.places_of(intrinsic_names(camera)), here);
+    scatter(block.wrt_camera_from_rig.topRows(of_view), known.places_of(extrinsic_names(camera)), here);
+    scatter(block.wrt_shape.topRows(of_view), known.places_of(shape_names(target.target.name)), here);
+    here.rightCols<1>() = block.residual.head(of_view);
+    first += of_view;
   }
-  // What is orthogonal to the pose's columns.
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(by_pose);
-  by_all.applyOnTheLeft(qr.householderQ().adjoint());
-  const auto rest = by_all.bottomRows(rows - qr.rank());
-  sum.information = rest.leftCols(columns).transpose() * rest.leftCols(columns);
-  sum.gradient = rest.leftCols(columns).transpose() * rest.rightCols<1>();
-  return sum;
+  const Eigen::MatrixXd along = qr.householderQ() * Eigen::MatrixXd::Identity(count, qr.rank());
+  rows -= along * (along.transpose() * rows);
+  return rows;
+}
+
+PoseInformation pose_information(const Calibration& calibration, const std::vector<ViewData>& views,
+                                 const Rigid3& rig_from_target) {
+  const Eigen::MatrixXd rows = rows_beside_pose(calibration, views, rig_from_target);
+  const auto by_parameters = rows.leftCols(rows.cols() - 1);
+  return {by_parameters.transpose() * by_parameters, by_parameters.transpose() * rows.rightCols<1>()};
 }
 
 ViewData used_corners(const CalibrationProblem& problem, const CalibrationResult& result, int view, int camera) {

@@ -9,6 +9,14 @@
 
 namespace raybundle {
 
+/// Whitened rows [J r] of the corners of views that share one board pose, two after each other for each, by the
+/// parameters that the calibration's covariance names, when the pose may follow freely: what is orthogonal to the
+/// pose's columns. Zero when a corner does not project.
+///
+/// @param views  ViewData::camera and ::target are indices of the calibration
+Eigen::MatrixXd rows_beside_pose(const Calibration& calibration, const std::vector<ViewData>& views,
+                                 const Rigid3& rig_from_target);
+
 /// Normal equations, for the parameters that a covariance names, of views that share one board pose, when the pose may
 /// follow freely.
 struct PoseInformation {
@@ -16,7 +24,7 @@ struct PoseInformation {
   Eigen::VectorXd gradient;
 };
 
-/// @param views  ViewData::camera and ::target are indices of the calibration; empty when a corner does not project
+/// Of rows_beside_pose().
 PoseInformation pose_information(const Calibration& calibration, const std::vector<ViewData>& views,
                                  const Rigid3& rig_from_target);
 

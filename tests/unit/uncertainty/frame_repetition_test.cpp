@@ -78,7 +78,7 @@ TEST(FrameRepetition, MakesTheCovarianceByFramesCoverTheScatter) {
     BundleState state = true_state(world);
     solve_bundle(world.problem, state);
     const ReducedInformation all = reduced_information(world.problem, state);
-    const auto repeated = repeated_errors(world.problem, state, {}, all.names);
+    const auto repeated = repeated_errors(world.problem, state, all.names);
     ASSERT_TRUE(repeated);
     const Covariance known = covariance(all).covariance;
     const auto frames = covariance_by_frame(all, information_by_frame(world.problem, state), repeated);

@@ -120,16 +120,6 @@ TEST(NextView, BeatsRandomViews) {
   EXPECT_LE(with_best, quantile(with_random, 0.25));
 }
 
-// Adding what is already known to be certain changes nothing; adding anything never makes a parameter less certain.
-TEST(NextView, NeverAddsUncertainty) {
-  const SyntheticWorld world = synthetic_world(narrow());
-  const CalibrationResult result = calibrate(world.problem);
-  const Covariance with = covariance_with_board(result.calibration, 0, world.poses[0].rig_from_target, kNoise_px);
-  for (std::size_t i = 0; i < with.names.size(); ++i) {
-    EXPECT_LE(with.sigma(with.names[i]), result.calibration.covariance.sigma(with.names[i])) << with.names[i];
-  }
-}
-
 // Each view counts on those before it, and says how the board is to be held.
 TEST(NextView, ListsViewsOneAfterAnother) {
   const SyntheticWorld world = synthetic_world(narrow());

@@ -29,7 +29,6 @@ struct BeamStart {
   double grating_rms_rad = 0.0;               ///< angle between the lines and the model's, root mean square
   double zero_order_row = 0.0;                ///< as LaserPattern
   double zero_order_column = 0.0;
-  int unlabelled = 0;           ///< dots that no beam, or more than one, explains
   std::string origin;           ///< what fixed the origin of the labels, in words
   bool origin_guessed = false;  ///< nothing fixed it: all labels may be off by the same rows and columns
 };

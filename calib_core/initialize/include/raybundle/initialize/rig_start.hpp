@@ -16,13 +16,12 @@ struct RigStart {
   std::vector<BoardPose> poses;
   std::vector<int> pose_of_view;      ///< aligned with problem.views; -1 where the view has no pose
   std::vector<int> symmetry_of_view;  ///< -1: as labelled; k: relabel by target.symmetries[k]
-  std::vector<SetAside> set_aside;    ///< frames whose cameras disagree: their views get board poses of their own
 };
 
 /// Links the cameras through frames in which they see the same board: for each pair the relative pose on which most
 /// frames agree, then the spanning tree with the most frames. Symmetric boards are relabelled where that makes a frame
-/// agree, and boards that one camera can hold in two poses are held as the others see them. A frame that still
-/// disagrees does not tie its cameras, and is named in set_aside.
+/// agree, and boards that one camera can hold in two poses are held as the others see them. In a frame that
+/// still disagrees each view gets a board pose of its own.
 ///
 /// @param camera_from_target  aligned with problem.views; empty where the view has no pose
 /// @param mirrored            other poses that explain the view nearly as well, where there are any; may be empty

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace raybundle {
@@ -18,8 +17,5 @@ std::vector<std::string> frame_names(const std::vector<std::string>& paths);
 
 /// Whether the file names of two images hold numbers, but none in common: then they are hardly of one moment.
 bool numbered_apart(const std::string& path_a, const std::string& path_b);
-
-/// Whether a text matches a pattern with * (any characters) and ? (one character).
-bool matches_pattern(std::string_view text, std::string_view pattern);
 
 }  // namespace raybundle

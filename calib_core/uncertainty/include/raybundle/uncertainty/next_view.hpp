@@ -41,8 +41,4 @@ struct NextViews {
 NextViews next_best_views(const CalibrationProblem& problem, const CalibrationResult& result,
                           const std::optional<Requirement>& requirement, int count = 3);
 
-/// The covariance after views of one board pose, whose corners have the stated sigma, have been added to the data.
-Covariance covariance_with_board(const Calibration& calibration, int target, const Rigid3& rig_from_target,
-                                 double sigma_px);
-
 }  // namespace raybundle
