@@ -189,8 +189,9 @@ std::vector<StageTime> stages_of(double detect_seconds, const CalibrationResult&
                                  double refine_seconds, bool refined) {
   std::vector<StageTime> reported;
   for (const char* name : {"survey", "laser", "uncertainty"}) {
-    reported.push_back({name, seconds_of(last, name)});
-    if (refined) refine_seconds += seconds_of(first, name) - seconds_of(last, name);
+    const double seconds = seconds_of(last, name);
+    if (seconds > 0.0) reported.push_back({name, seconds});
+    if (refined) refine_seconds += seconds_of(first, name) - seconds;
   }
   std::vector<StageTime> stages{{"detect", detect_seconds},
                                 {"start", seconds_of(first, "start")},

@@ -212,18 +212,20 @@ CameraOptimum leave_local_optima(const CalibrationProblem& single, const Calibra
   const auto solve_on = [&](const BundleSummary& so_far) {
     here.summary = solve_without_outliers(single, here.state, options, false, here.reasons, so_far);
   };
-  std::vector<Mirrored> mirrored = mirrored_of(single, here.state);
-  if (turn_mirrored_boards(here.state, mirrored)) {
-    solve_on({});
-    if (failed()) return optimum;
-    mirrored = mirrored_of(single, here.state);
-  }
-  // The camera that one board had bent may have kept another one from turning.
-  for (int round = 0; round < kRounds && !failed(); ++round) {
-    if (!try_mirrored_boards(single, mirrored, options, here)) break;
-    solve_on(here.summary);
-    if (!failed()) mirrored = mirrored_of(single, here.state);
-  }
+  const auto turn_boards = [&] {
+    std::vector<Mirrored> mirrored = mirrored_of(single, here.state);
+    if (turn_mirrored_boards(here.state, mirrored)) {
+      solve_on({});
+      if (failed()) return;
+      mirrored = mirrored_of(single, here.state);
+    }
+    // The camera that one board had bent may have kept another one from turning.
+    for (int round = 0; round < kRounds && !failed(); ++round) {
+      if (!try_mirrored_boards(single, mirrored, options, here)) return;
+      solve_on(here.summary);
+      if (!failed()) mirrored = mirrored_of(single, here.state);
+    }
+  };
   const auto measure = [&] {
     optimum.projection_sigma_px = failed() ? std::nan("") : projection_sigma_px(single, here.state, options.threads);
   };
@@ -238,9 +240,11 @@ CameraOptimum leave_local_optima(const CalibrationProblem& single, const Calibra
     descend_by(move_to_lower_alike);
     descend_by(move_to_lower_of_loose);
   };
+  turn_boards();
   descend();
   for (int round = 0; round < kRounds && !failed(); ++round) {
     if (!choose_corners_again(single, options, here)) break;
+    if (!failed()) turn_boards();  // with other corners a board may be held otherwise
     descend();
   }
   return optimum;

@@ -58,6 +58,7 @@ INSTANTIATE_TEST_SUITE_P(Rigs, HardStart,
                                            HardRig{"ALensNearlyRectilinearKeepsItsBeta", "extended_unified", 30649},
                                            HardRig{"AViewPosedPoorlyComesBackInTheEnd", "brown_conrady", 22216},
                                            HardRig{"AllCoefficientsAreTriedOnceMore", "thin_prism", 16056},
+                                           HardRig{"AViewThatComesBackMayBeMirrored", "pinhole", 30087},
                                            HardRig{"ParallelBoardsFitOtherFocalLengths", "kannala_brandt", 16005}),
                          [](const auto& rig) { return std::string(rig.param.name); });
 
