@@ -153,6 +153,19 @@ std::string few_views_warning(const ProblemCamera& camera, const CameraSummary& 
       camera.name, views, others > 0 ? fmt::format(" ({} others are set aside)", others) : "");
 }
 
+// Detectors err by tenths of a pixel and the worst choice of a lens by a few pixels. Beyond, the corners are not those of
+// the board that was asked for.
+std::string misfit_warning(const ProblemCamera& camera, const CameraSummary& summary) {
+  constexpr double kGross_px = 4.0;
+  constexpr double kGrossShare = 1e-3;  // of the image's longer side
+  const double gross_px = std::max(kGross_px, kGrossShare * std::max(camera.size.width, camera.size.height));
+  if (!(summary.rms_px > gross_px)) return {};
+  return fmt::format(
+      "the corners of {} lie {:.1f} px off, root mean square, where detectors err by tenths of a pixel: is the board the "
+      "one that was asked for, its kind, its counts and its measures? Is it flat? Does the model suit the lens?",
+      camera.name, summary.rms_px);
+}
+
 // Views that were set aside and reach where no other view of their camera does.
 std::vector<std::string> lonely_view_warnings(const CalibrationProblem& problem, const CalibrationResult& result) {
   std::map<int, std::set<int>> frames;  // by camera
@@ -202,8 +215,10 @@ std::vector<std::string> data_warnings(const CalibrationProblem& problem, const 
   }
   std::ranges::copy(exchanged_frames_warnings(problem, result), std::back_inserter(warnings));
   for (std::size_t c = 0; c < problem.cameras.size(); ++c) {
-    if (std::string warning = few_views_warning(problem.cameras[c], result.cameras[c]); !warning.empty()) {
-      warnings.push_back(std::move(warning));
+    for (const auto& warning_of : {few_views_warning, misfit_warning}) {
+      if (std::string warning = warning_of(problem.cameras[c], result.cameras[c]); !warning.empty()) {
+        warnings.push_back(std::move(warning));
+      }
     }
   }
   std::ranges::copy(lonely_view_warnings(problem, result), std::back_inserter(warnings));

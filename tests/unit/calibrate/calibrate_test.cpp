@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/rotation.hpp"
@@ -363,6 +364,21 @@ TEST(Calibrate, WarnsOfFewViews) {
   using ::testing::Contains, ::testing::HasSubstr, ::testing::Not;
   EXPECT_THAT(calibrate(synthetic_world(few).problem).warnings, Contains(HasSubstr("9 views only, too few")).Times(2));
   EXPECT_THAT(calibrate(synthetic_world(enough).problem).warnings, Not(Contains(HasSubstr("too few"))));
+}
+
+// The corners of another board, of as many rows and columns: tags stand apart by other than their own size.
+TEST(Calibrate, WarnsOfCornersThatAreNotThoseOfTheBoard) {
+  using ::testing::Contains, ::testing::HasSubstr, ::testing::Not;
+  const SyntheticOptions options = stereo(3);
+  CalibrationProblem problem = synthetic_world(options).problem;
+  EXPECT_THAT(calibrate(problem).warnings, Not(Contains(HasSubstr("is the board the one"))));
+  for (TargetPoint& point : problem.targets[0].points) {
+    for (double& place : {std::ref(point.x_in_target.x()), std::ref(point.x_in_target.y())}) {
+      const bool second_of_tag = std::lround(place / options.square_m) % 2 != 0;
+      if (second_of_tag) place += 0.54 * options.square_m;  // Kalibr's tags are 0.3 of their size apart
+    }
+  }
+  EXPECT_THAT(calibrate(problem).warnings, Contains(HasSubstr("is the board the one")).Times(2));
 }
 
 }  // namespace
