@@ -2,21 +2,50 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Counts every call of operator new in the binary. What ships on a device takes its memory at the start, and its tests
-// hold the loop against that. Include it in one source of a binary only: it replaces the operators.
+// Counts every call that asks the C library for memory, whoever makes it: operator new, aligned or not, and Eigen, which
+// asks for itself. What ships on a device takes its memory at the start, and its tests hold the loop against that. Include
+// it in one source of a binary only: it stands in for the library's functions. Sanitizers have the heap for themselves:
+// under them nothing is counted.
 #include <atomic>
+#include <cerrno>
 #include <cstdlib>
-#include <new>
 
 namespace raybundle::testing {
 std::atomic<long> heap_calls{0};
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+inline constexpr bool kHeapIsCounted = true;
+#else
+inline constexpr bool kHeapIsCounted = false;
+#endif
 }  // namespace raybundle::testing
 
-// Not inlined: the compiler would see malloc() beside a delete, or free() beside a new, and warn.
-[[gnu::noinline]] void* operator new(std::size_t size) {
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+extern "C" {
+void* __libc_malloc(std::size_t size) noexcept;
+void* __libc_calloc(std::size_t count, std::size_t size) noexcept;
+void* __libc_realloc(void* memory, std::size_t size) noexcept;
+void* __libc_memalign(std::size_t alignment, std::size_t size) noexcept;
+
+void* malloc(std::size_t size) noexcept {
   ++raybundle::testing::heap_calls;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
+  return __libc_malloc(size);
 }
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void* calloc(std::size_t count, std::size_t size) noexcept {
+  ++raybundle::testing::heap_calls;
+  return __libc_calloc(count, size);
+}
+void* realloc(void* memory, std::size_t size) noexcept {
+  ++raybundle::testing::heap_calls;
+  return __libc_realloc(memory, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
+  ++raybundle::testing::heap_calls;
+  return __libc_memalign(alignment, size);
+}
+int posix_memalign(void** memory, std::size_t alignment, std::size_t size) noexcept {
+  ++raybundle::testing::heap_calls;
+  *memory = __libc_memalign(alignment, size);
+  return *memory == nullptr ? ENOMEM : 0;
+}
+}
+#endif

@@ -43,8 +43,9 @@ struct BallCount {
   double free() const { return clear / std::max(1.0, static_cast<double>(beside)); }
 };
 
-BallCount count_ball(const Scan& scan, const Eigen::Vector3d& centre, double radius_m, int every) {
+BallCount count_ball(const CappedScan& capped, const Eigen::Vector3d& centre, double radius_m, int every) {
   constexpr double kInside2 = 0.9, kOutside2 = 1.5, kReach2 = 2.9;  // squares of shares of the radius
+  const Scan& scan = capped.scan();
   BallCount count;
   const Eigen::Vector3d to_centre = centre - scan.viewpoint_in_vehicle;
   for (std::size_t i = 0; i < scan.points.size(); i += static_cast<std::size_t>(every)) {
@@ -56,7 +57,7 @@ BallCount count_ball(const Scan& scan, const Eigen::Vector3d& centre, double rad
     if (share2 < kInside2) {
       const double off = range - (nearest - radius_m * std::sqrt(1.0 - share2));
       ++count.through;
-      count.on += std::abs(off) < 0.02 + 2.0 * scan.points[i].sigma_m;
+      count.on += std::abs(off) < 0.02 + 2.0 * capped.sigma_m(scan.points[i]);
     } else if (share2 > kOutside2 && nearest / range * to_point.z() - to_centre.z() > -0.3 * radius_m) {
       ++count.beside;
       count.clear += range > nearest + 0.5 * radius_m;
@@ -76,8 +77,9 @@ void offer(std::array<Candidate, kCandidates>& best, const Candidate& offered) {
   std::ranges::sort(best, std::greater{}, &Candidate::score);
 }
 
-std::array<Candidate, kCandidates> candidates(const VehicleLayout& layout, const SeatPose& seat, const Scan& scan,
-                                              const HeadOptions& options) {
+std::array<Candidate, kCandidates> candidates(const VehicleLayout& layout, const SeatPose& seat,
+                                              const CappedScan& capped, const HeadOptions& options) {
+  const Scan& scan = capped.scan();
   std::array<Candidate, kCandidates> best;
   const double radius_m = options.semi_axes_m.mean();
   const auto centre_behind = [&](const ScenePoint& point) -> Eigen::Vector3d {
@@ -90,7 +92,7 @@ std::array<Candidate, kCandidates> candidates(const VehicleLayout& layout, const
   for (const ScenePoint& point : scan.points) {
     const Eigen::Vector3d centre = centre_behind(point);
     if (!may_be_there(layout, seat, centre, options) || at++ % every_place != 0) continue;
-    const BallCount count = count_ball(scan, centre, radius_m, every);
+    const BallCount count = count_ball(capped, centre, radius_m, every);
     if (count.on * every >= options.least_points / 2) offer(best, {centre, count.filled() * count.free()});
   }
   return best;
@@ -98,15 +100,14 @@ std::array<Candidate, kCandidates> candidates(const VehicleLayout& layout, const
 
 }  // namespace
 
-Head find_head(const VehicleLayout& layout, const SeatPose& seat, const Scan& seen, const HeadOptions& options) {
-  const CappedScan capped(seen);
-  const Scan& scan = capped.scan();
+Head find_head(const VehicleLayout& layout, const SeatPose& seat, const Scan& scan, const HeadOptions& options) {
+  const CappedScan capped(scan);
   Head best;
-  for (const Candidate& candidate : candidates(layout, seat, scan, options)) {
+  for (const Candidate& candidate : candidates(layout, seat, capped, options)) {
     if (candidate.score < 0.0) break;
-    Head head = fit_head(scan, candidate.centre, options);
+    Head head = fit_head(capped, candidate.centre, options);
     if (!head.found || !may_be_there(layout, seat, head.centre, options)) continue;
-    const BallCount count = count_ball(scan, head.centre, head.semi_axes_m.mean(), 1);
+    const BallCount count = count_ball(capped, head.centre, head.semi_axes_m.mean(), 1);
     head.filled = count.filled();
     head.clear = count.free();
     const bool believed =

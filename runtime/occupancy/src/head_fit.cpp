@@ -44,16 +44,16 @@ struct Distance {
 // The sums of one step.
 class Sums {
  public:
-  Sums(const Ellipsoid& ellipsoid, const Scan& scan, double alike_points, const HeadOptions& options)
+  Sums(const Ellipsoid& ellipsoid, const Eigen::Vector3d& eye, double alike_points, const HeadOptions& options)
       : options_(options),
         alike_points_(alike_points),
-        eye_(scan.viewpoint_in_vehicle),
+        eye_(eye),
         turn_(ellipsoid.vehicle_from_head()),
         axes_(ellipsoid.semi_axes_m(options)),
         centre_(ellipsoid.centre),
         eye_in_ball_(in_ball(eye_)) {}
 
-  void add(const ScenePoint& point, double cut) {
+  void add(const ScenePoint& point, double sigma_m, double cut) {
     const Eigen::Vector3d place = in_ball(point.x_in_vehicle), through = place - eye_in_ball_;
     const double nearest = -eye_in_ball_.dot(through) / through.squaredNorm();  // share of the range
     const Eigen::Vector3d past = eye_in_ball_ + nearest * through;
@@ -67,7 +67,7 @@ class Sums {
     const Distance distance = distance_of(passes ? past : place);
     const double facing = (point.x_in_vehicle - eye_).dot(distance.row.head<3>()) / range;
     if (facing < (outline > 1.0 ? -kGrazing : 0.0)) return;  // its far side
-    const double depth_m = passes ? 0.0 : options_.curved_sigmas * point.sigma_m * facing;
+    const double depth_m = passes ? 0.0 : options_.curved_sigmas * sigma_m * facing;
     const double variance = depth_m * depth_m + options_.shape_sigma_m * options_.shape_sigma_m;
     const double share2 = distance.m * distance.m / (cut * cut * variance);
     if (share2 >= 1.0) return;
@@ -75,7 +75,6 @@ class Sums {
     information += weight / alike_points_ * distance.row * distance.row.transpose();
     gradient += weight / alike_points_ * distance.m * distance.row;
     if (passes) return;
-    squares_ += distance.m * distance.m;
     squares_in_sigmas_ += distance.m * distance.m / variance;
     ++points;
   }
@@ -107,7 +106,6 @@ class Sums {
     return front;
   }
 
-  double residual_m() const { return std::sqrt(squares_ / std::max(1, points)); }
   double misfit() const { return std::sqrt(squares_in_sigmas_ / std::max(1, points)); }
 
   Matrix6 information = Matrix6::Zero();
@@ -137,12 +135,13 @@ class Sums {
   Eigen::Vector3d eye_;
   Eigen::Matrix3d turn_;
   Eigen::Vector3d axes_, centre_, eye_in_ball_;
-  double squares_ = 0.0, squares_in_sigmas_ = 0.0;
+  double squares_in_sigmas_ = 0.0;
 };
 
 }  // namespace
 
-Head fit_head(const Scan& scan, const Eigen::Vector3d& start, const HeadOptions& options) {
+Head fit_head(const CappedScan& capped, const Eigen::Vector3d& start, const HeadOptions& options) {
+  const Eigen::Vector3d& eye = capped.scan().viewpoint_in_vehicle;
   Head head;
   Ellipsoid ellipsoid{.centre = start, .nod_rad = options.nod_rad};
   Matrix6 covariance = Matrix6::Zero();
@@ -150,9 +149,9 @@ Head fit_head(const Scan& scan, const Eigen::Vector3d& start, const HeadOptions&
   const double patches = M_PI * radius_m * radius_m / (options.alike_m * options.alike_m);
   double alike_points = options.least_points / patches;
   for (int i = 0; i < kIterations; ++i) {
-    Sums sums(ellipsoid, scan, alike_points, options);
+    Sums sums(ellipsoid, eye, alike_points, options);
     const double cut = kCut * (1.0 + 2.0 * std::max(0.0, 1.0 - static_cast<double>(i) / kWideIterations));
-    for (const ScenePoint& point : scan.points) sums.add(point, cut);
+    for (const ScenePoint& point : capped.scan().points) sums.add(point, capped.sigma_m(point), cut);
     if (sums.points < options.least_points) return head;
     alike_points = std::max(1.0, sums.points / patches);
     sums.add_prior(3, ellipsoid.log_size, options.size_sigma);
@@ -165,13 +164,12 @@ Head fit_head(const Scan& scan, const Eigen::Vector3d& start, const HeadOptions&
     ellipsoid.turn_rad += std::clamp(step[4], -kMostTurn_rad, kMostTurn_rad);
     ellipsoid.nod_rad += std::clamp(step[5], -kMostTurn_rad, kMostTurn_rad);
     head.points = sums.points;
-    head.residual_m = sums.residual_m();
     head.misfit = sums.misfit();
     covariance = sums.information.inverse();
   }
   head.vehicle_from_head = ellipsoid.vehicle_from_head();
   head.centre = ellipsoid.centre + head.vehicle_from_head * options.centre_from_hair_m;
-  const Sums::Front front = Sums(ellipsoid, scan, alike_points, options).front(head.centre);
+  const Sums::Front front = Sums(ellipsoid, eye, alike_points, options).front(head.centre);
   head.front = front.place;
   head.front_covariance_m2 = front.rows * covariance * front.rows.transpose();
   head.front_covariance_m2.diagonal().array() += options.shape_sigma_m * options.shape_sigma_m;

@@ -2,12 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "capped_scan.hpp"
 #include "raybundle/occupancy/head.hpp"
 
 namespace raybundle {
 
 /// Fits the ellipsoid of a head from a start within a few centimetres; not found when too few points are on it.
 /// Gauss-Newton with Tukey's biweight on distances from the surface, and priors of size, turn and nod.
-Head fit_head(const Scan& scan, const Eigen::Vector3d& start, const HeadOptions& options);
+Head fit_head(const CappedScan& capped, const Eigen::Vector3d& start, const HeadOptions& options);
 
 }  // namespace raybundle

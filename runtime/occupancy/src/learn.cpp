@@ -19,16 +19,42 @@ int voting_of(const LabelledCases& cases) {
   return cases.voting > 0 ? cases.voting : static_cast<int>(cases.classes.size());
 }
 
+void check(const LearnOptions& options) {
+  const auto within = [](int value, int least, int most) { return value >= least && value <= most; };
+  const bool sizes = !options.layers.empty() &&
+                     std::ranges::all_of(options.layers, [&](int size) { return within(size, 1, kMostUnits); });
+  if (!sizes || !within(options.neighbours, 1, kMostNeighbours) || !within(options.spaces, 1, kMostSpaces) ||
+      !(options.known_share >= 0.0 && options.known_share <= 1.0)) {
+    throw Error(ErrorKind::kBadInput, "learning takes 1 to " + std::to_string(kMostNeighbours) + " neighbours, 1 to " +
+                                          std::to_string(kMostSpaces) + " spaces, layers of 1 to " +
+                                          std::to_string(kMostUnits) + " values and a known share from 0 to 1");
+  }
+}
+
+void check_classes(const LabelledCases& cases) {
+  for (const SituationClass& situation : cases.situations) {
+    if (situation.group < 0 || situation.group >= static_cast<int>(cases.group_names.size())) {
+      throw Error(ErrorKind::kBadInput, "class '" + situation.name + "' has no group");
+    }
+  }
+  if (std::ranges::any_of(cases.classes, [&](std::uint8_t c) { return c >= cases.situations.size(); })) {
+    throw Error(ErrorKind::kBadInput, "a case to learn is of a class without a name");
+  }
+}
+
 void check(const LabelledCases& cases, const LearnOptions& options) {
+  check(options);
   if (cases.attributes.cols() != static_cast<Eigen::Index>(cases.classes.size()) ||
       cases.actions.size() != cases.classes.size() || cases.attributes.rows() < 1 ||
-      cases.situations.size() > kMostClasses) {
-    throw Error(ErrorKind::kBadInput, "attributes and classes of the cases to learn differ in number");
+      cases.attributes.rows() > kMostUnits || cases.situations.size() > kMostClasses ||
+      cases.group_names.size() > kMostClasses) {
+    throw Error(ErrorKind::kBadInput, "attributes and classes of the cases to learn differ in number, or are too many");
   }
   if (cases.voting < 0 || cases.voting >= static_cast<int>(cases.classes.size()) || cases.judging < 0 ||
       cases.judging > voting_of(cases)) {
     throw Error(ErrorKind::kBadInput, "more of the cases to learn vote or judge than there are");
   }
+  check_classes(cases);
   if (!cases.attributes.allFinite()) throw Error(ErrorKind::kBadInput, "an attribute to learn is not finite");
   for (std::size_t c = 0; c < cases.situations.size(); ++c) {
     const auto count =

@@ -33,21 +33,22 @@ struct Line {
 };
 
 // Weighted principal axis of the points that lie near the line through `start` along `along`, within `reach` of it.
-Line grown(const Scan& scan, const Eigen::Vector2d& start, const Eigen::Vector2d& along, const Reach& reach,
+Line grown(const CappedScan& capped, const Eigen::Vector2d& start, const Eigen::Vector2d& along, const Reach& reach,
            double tolerance_m, double half_width_m) {
   const Eigen::Vector2d across(-along.y(), along.x());
   double weights = 0.0;
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   Eigen::Matrix2d squares = Eigen::Matrix2d::Zero();
   Line line;
-  for (const ScenePoint& point : scan.points) {
+  for (const ScenePoint& point : capped.scan().points) {
     if (std::abs(point.x_in_vehicle.y()) > half_width_m) continue;
     const Eigen::Vector2d off(point.x_in_vehicle.x() - start.x(), point.x_in_vehicle.z() - start.y());
     const double at = off.dot(along), distance = off.dot(across);
-    const double bound = std::hypot(tolerance_m, 2.0 * point.sigma_m);
+    const double sigma_m = capped.sigma_m(point);
+    const double bound = std::hypot(tolerance_m, 2.0 * sigma_m);
     if (at < reach.from_m || at > reach.to_m || std::abs(distance) > bound) continue;
     const double share = distance / bound, in = 1 - share * share;
-    const double weight = in * in / (kShape_m * kShape_m + point.sigma_m * point.sigma_m);  // Tukey's biweight
+    const double weight = in * in / (kShape_m * kShape_m + sigma_m * sigma_m);  // Tukey's biweight
     weights += weight;
     mean += weight * off;
     squares += weight * off * off.transpose();
@@ -87,7 +88,7 @@ bool allowed(const VehicleLayout& layout, const SeatPose& pose) {
 }
 
 // From one start; wide at first, then as narrow as the options say.
-SeatFit grown_from(SeatPose pose, const VehicleLayout& layout, const Scan& scan, const SeatFitOptions& options) {
+SeatFit grown_from(SeatPose pose, const VehicleLayout& layout, const CappedScan& scan, const SeatFitOptions& options) {
   SeatFit fit;
   Line cushion, back;
   for (int i = 0; i < options.iterations; ++i) {
@@ -101,8 +102,6 @@ SeatFit grown_from(SeatPose pose, const VehicleLayout& layout, const Scan& scan,
   fit.found = true;
   fit.cushion_points = cushion.points;
   fit.back_points = back.points;
-  const double n = cushion.points + back.points;
-  fit.planarity_m = std::sqrt((cushion.points * cushion.scatter_m2 + back.points * back.scatter_m2) / n);
   // Of a line: position across at the bight, and angle.
   const auto at_bight = [&](const Line& line) {
     const double away = (line.centre - pose.bight).norm();
@@ -119,25 +118,24 @@ SeatFit grown_from(SeatPose pose, const VehicleLayout& layout, const Scan& scan,
 }
 
 // Of the points beside which the seat's flat middle lies, those that are clear of it.
-double hidden_share(const SeatPose& pose, const Scan& scan, const SeatFitOptions& options) {
+double hidden_share(const SeatPose& pose, const CappedScan& capped, const SeatFitOptions& options) {
   int on_it = 0, all = 0;
-  for (const ScenePoint& point : scan.points) {
+  for (const ScenePoint& point : capped.scan().points) {
     if (std::abs(point.x_in_vehicle.y()) > options.half_width_m) continue;
     const Eigen::Vector2d off(point.x_in_vehicle.x() - pose.bight.x(), point.x_in_vehicle.z() - pose.bight.y());
     const double along = off.dot(pose.cushion_forward()), up = off.dot(pose.back_up());
     if (along > kCushion.to_m || up > kBack.to_m) continue;
     ++all;
     on_it += std::min(pose.above_cushion(point.x_in_vehicle), pose.before_back(point.x_in_vehicle)) >
-             options.occupied_m + 2.0 * point.sigma_m;
+             options.occupied_m + 2.0 * capped.sigma_m(point);
   }
   return all == 0 ? 0.0 : static_cast<double>(on_it) / all;
 }
 
 }  // namespace
 
-SeatFit fit_seat(const VehicleLayout& layout, const Scan& seen, const SeatFitOptions& options) {
-  const CappedScan capped(seen);
-  const Scan& scan = capped.scan();
+SeatFit fit_seat(const VehicleLayout& layout, const Scan& scan, const SeatFitOptions& options) {
+  const CappedScan capped(scan);
   SeatFit best;
   for (int i = -2; i <= 2; ++i) {
     for (int j = 0; j < 4; ++j) {
@@ -145,12 +143,12 @@ SeatFit fit_seat(const VehicleLayout& layout, const Scan& seen, const SeatFitOpt
       start.bight = {-kBightBehind_m + 0.5 * i * layout.track_m, -kBightBelow_m};
       start.recline_rad =
           layout.least_recline_rad + (j + 0.5) / 4 * (layout.most_recline_rad - layout.least_recline_rad);
-      const SeatFit fit = grown_from(start, layout, scan, options);
+      const SeatFit fit = grown_from(start, layout, capped, options);
       // The most points; an occupant's lines are shorter than the seat's.
       if (fit.found && fit.cushion_points + fit.back_points > best.cushion_points + best.back_points) best = fit;
     }
   }
-  best.hidden = hidden_share(best.pose, scan, options);
+  best.hidden = hidden_share(best.pose, capped, options);
   best.found = best.found && best.hidden <= options.most_hidden;
   return best;
 }

@@ -13,16 +13,22 @@ namespace raybundle {
 namespace {
 
 constexpr int kLeastSide = 16;
+constexpr int kMostOfALevel = 256;
+constexpr int kMostDisparities = 16384;  // such that places in the image fit into 16 bits
 
 const MatchOptions& checked(ImageSize size, const MatchOptions& options) {
   require(options.coarse_levels >= 0 && options.coarse_levels <= 6, "the number of coarse levels is from 0 to 6");
   require(size.width >> options.coarse_levels >= kLeastSide && size.height >> options.coarse_levels >= kLeastSide,
           "images to be matched have at least 16x16 pixels, on the coarsest level, too");
-  const int coarsest = options.disparities / (1 << options.coarse_levels) + (options.coarse_levels > 0 ? 4 : 0);
-  require(options.disparities >= 1 && coarsest <= 256,
-          "the number of disparities is from 1 to 256, or to 252 of the coarsest level's pixels");
   require(options.least_disparity >= 0 && options.least_disparity < size.width,
           "the least disparity is from 0 to the width of the image");
+  require(options.disparities >= 1 && options.disparities <= kMostDisparities,
+          "the number of disparities is from 1 to " + std::to_string(kMostDisparities));
+  MatchOptions coarsest = options;
+  for (int k = 0; k < options.coarse_levels; ++k) coarsest = halved(coarsest);
+  require(coarsest.disparities <= kMostOfALevel, "the coarsest level has at most " + std::to_string(kMostOfALevel) +
+                                                     " disparities, not " + std::to_string(coarsest.disparities) +
+                                                     ": take more coarse levels, or fewer disparities");
   require(!options.mask.empty() && options.mask.size() <= 120, "a census mask has from 1 to 120 neighbours");
   for (const auto& [x, y] : options.mask) {
     require(std::abs(x) <= 15 && std::abs(y) <= 15, "the neighbours of a census mask are within 15 px");

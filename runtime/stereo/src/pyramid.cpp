@@ -110,15 +110,20 @@ DisparityView PyramidLevel::found() const {
           matched_};
 }
 
+MatchOptions halved(MatchOptions options) {
+  const int last = options.least_disparity + options.disparities - 1;
+  options.least_disparity /= 2;
+  options.disparities = (last + 1) / 2 - options.least_disparity + 2;
+  options.least_region_px = (options.least_region_px + 3) / 4;
+  return options;
+}
+
 std::vector<PyramidLevel> pyramid(ImageSize size, const MatchOptions& options) {
   std::vector<PyramidLevel> levels;
   MatchOptions here = options;
   for (int k = 0; k <= options.coarse_levels; ++k) {
     levels.emplace_back(size, here, k<options.coarse_levels, k> 0);
-    const int last = here.least_disparity + here.disparities - 1;
-    here.least_disparity /= 2;
-    here.disparities = (last + 1) / 2 - here.least_disparity + 2;  // one more: the last one is never a match
-    here.least_region_px = (here.least_region_px + 3) / 4;
+    here = halved(here);
     size = {size.width / 2, size.height / 2};
   }
   return levels;

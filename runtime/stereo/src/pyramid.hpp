@@ -53,6 +53,10 @@ class PyramidLevel {
   int matched_ = 0;
 };
 
+/// The options of the next level, of half the size: its disparities reach as far, and one beyond the last, which is
+/// never a match.
+MatchOptions halved(MatchOptions options);
+
 /// The levels of a matcher, the whole image first.
 std::vector<PyramidLevel> pyramid(ImageSize size, const MatchOptions& options);
 

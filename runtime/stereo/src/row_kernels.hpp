@@ -113,7 +113,7 @@ struct BestRow {
   std::uint8_t* after = nullptr;   ///< the same at disparity + 1, or at the disparity if it is the last lane
 };
 
-/// What becomes of each pixel of a row. Values of Match: as matcher.hpp has them.
+/// What becomes of each pixel of a row. Values of Match: as match.hpp has them.
 struct JudgeRow {
   Extent extent;
   int last = 0;                                ///< disparity beyond which nothing was searched

@@ -7,6 +7,7 @@
 #include "calibration_sigma.hpp"
 #include "cloud.hpp"
 #include "raybundle/stereo/remap.hpp"
+#include "require.hpp"
 
 namespace raybundle {
 namespace {
@@ -57,6 +58,8 @@ struct StereoMatcher::Data {
     for (std::size_t i = 0; i < left_table.covered.size(); ++i) {
       covered += static_cast<int>(left_table.covered[i] & right_table.covered[i]);
     }
+    require(covered > 0, "no place is seen by both " + left_camera.name + " and " + right_camera.name +
+                             ": they look apart, and nothing can be matched");
   }
 };
 

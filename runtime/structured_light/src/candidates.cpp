@@ -36,11 +36,13 @@ void Candidates::find(const BeamSet& set, std::span<const Dot> dots) {
   candidates_.clear();
   first_.assign(1, 0);
   for (const Dot& dot : dots) {
-    const RayTable::Ray ray = set.table.rays.at(dot.pixel);
+    const bool in_image = set.table.rays.size.contains(dot.pixel);
+    const RayTable::Ray ray = in_image ? set.table.rays.at(dot.pixel) : RayTable::Ray{};
     const std::size_t begin = candidates_.size();
     const double most_per_px2 = ray.per_px.squaredNorm();
     const double tolerance_px2 = range.tolerance_px * range.tolerance_px;
-    for (const int b : set.table.candidates.at(dot.pixel)) {
+    const auto beams = in_image ? set.table.candidates.at(dot.pixel) : std::span<const std::uint16_t>{};
+    for (const int b : beams) {
       const BeamGeometry& beam = set.beams[b];
       const double off = beam.off_plane(ray.direction);
       if (!(off * off <= tolerance_px2 * most_per_px2)) continue;             // NaN: there is no ray

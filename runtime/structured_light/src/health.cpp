@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "raybundle/geometry/error.hpp"
+
 namespace raybundle {
 namespace {
 
@@ -39,11 +41,16 @@ Eigen::Vector3d common_point(const BeamSet& set) {
   return normal.ldlt().solve(right);
 }
 
+const HealthOptions& checked(const HealthOptions& options) {
+  if (options.window >= 1 && options.memory >= 1) return options;
+  throw Error(ErrorKind::kBadInput, "the watch over a calibration takes a window and a memory of 1 frame or more");
+}
+
 }  // namespace
 
 Health::Health(const BeamSet& beams, const HealthOptions& options)
     : beams_(beams),
-      options_(options),
+      options_(checked(options)),
       centre_(common_point(beams)),
       memory_(beams, options.memory),
       frames_(options.window) {

@@ -34,7 +34,7 @@ LabelWork::LabelWork(int most_dots, const SensorTable& table) {
   const std::size_t dots = most_dots, beams = table.beams.size();
   const std::size_t candidates = dots * Candidates::kMostOfDot;
   for (auto* of_dots : {&chosen, &doubtful, &group, &member}) of_dots->reserve(dots);
-  for (auto* of_dots : {&no_beam, &next_no_beam}) of_dots->reserve(dots);
+  no_beam.reserve(dots);
   for (auto* of_candidates : {&weight, &next_weight}) of_candidates->reserve(candidates);
   alive.reserve(candidates);
   of_beam.reserve(candidates);

@@ -81,8 +81,8 @@ void StructuredLight::watch() {
     frame_.state = worse(frame_.state, State::kDegraded);
   }
   if (points_.empty()) frame_.state = State::kInvalid;
-  const bool known = frame_.health.state == State::kOk && frame_.health.dots >= options_.health.least_dots;
-  if (options_.follow_wavelength && known) beams_.set_log_wavelength(frame_.health.log_wavelength);
+  if (options_.follow_wavelength && frame_.health.state == State::kOk)
+    beams_.set_log_wavelength(frame_.health.log_wavelength);
 }
 
 }  // namespace raybundle

@@ -8,7 +8,9 @@
 
 #include "heap_calls.hpp"
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/occupancy/head.hpp"
 #include "raybundle/occupancy/learn.hpp"
+#include "raybundle/occupancy/seat_fit.hpp"
 #include "raybundle/synthetic/random.hpp"
 
 namespace raybundle {
@@ -38,8 +40,10 @@ Scan scan_of(const std::vector<ScenePoint>& points) {
   return {.viewpoint_in_vehicle = kEye, .points = points, .rays = kRays};
 }
 
+const LearnOptions kQuick{.known_share = 1.0, .layers = {8, 4}, .steps = 200, .dropout = 0.0};
+
 // @param twins  whether half of those who may be fired at are of another group, whom nothing tells from the others
-CaseBase base(bool twins = false) {
+LabelledCases labelled(bool twins) {
   const int count = twins ? 160 : 80;
   LabelledCases cases{.attribute_set = std::string(kStripes.name),
                       .situations = {{.name = "empty", .group = 0, .inert = true}, {.name = "adult", .group = 1}},
@@ -57,7 +61,11 @@ CaseBase base(bool twins = false) {
     cases.classes.push_back(static_cast<std::uint8_t>(twins && n % 4 == 3 ? 2 : adult));
     cases.actions.push_back(adult ? AirbagAction::kFire : AirbagAction::kNoFire);
   }
-  CaseBase base = learn(cases, {.known_share = 1.0, .layers = {8, 4}, .steps = 200, .dropout = 0.0});
+  return cases;
+}
+
+CaseBase base(bool twins = false) {
+  CaseBase base = learn(labelled(twins), kQuick);
   base.sure_of_group = base.sure_of_situation = 0.6;  // 80 cases are too few to prove that any votes are right
   return base;
 }
@@ -264,6 +272,30 @@ TEST(Monitor, TakesNoHeapAfterStartAndGivesTheSameBits) {
   const Occupancy same = after(other, points, 20);
   EXPECT_EQ(answer.verdict.distance, same.verdict.distance);
   EXPECT_EQ(answer.verdict.votes, same.verdict.votes);
+}
+
+TEST(Learn, RefusesWhatItHasNoRoomFor) {
+  const auto refused = [](auto&& change) {
+    LabelledCases cases = labelled(false);
+    LearnOptions options = kQuick;
+    change(cases, options);
+    EXPECT_THROW(learn(cases, options), Error);
+  };
+  refused([](LabelledCases&, LearnOptions& options) { options.neighbours = 150; });
+  refused([](LabelledCases&, LearnOptions& options) { options.layers = {2000, 4}; });
+  refused([](LabelledCases&, LearnOptions& options) { options.layers = {}; });
+  refused([](LabelledCases&, LearnOptions& options) { options.spaces = 0; });
+  refused([](LabelledCases&, LearnOptions& options) { options.known_share = 1.5; });
+  refused([](LabelledCases& cases, LearnOptions&) { cases.situations[1].group = 5000; });
+  refused([](LabelledCases& cases, LearnOptions&) { cases.classes[3] = 200; });
+}
+
+TEST(Monitor, SeatAndHeadTakeNoHeap) {
+  const std::vector<ScenePoint> points = scene(true, 0.2, 0.003, 907);
+  const long before = testing::heap_calls;
+  const SeatFit seat = fit_seat({}, scan_of(points));
+  const Head head = find_head({}, seat.pose, scan_of(points));
+  EXPECT_EQ(testing::heap_calls, before) << head.points;
 }
 
 TEST(Monitor, ABaseOfUnknownAttributesIsRefused) {

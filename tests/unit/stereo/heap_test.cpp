@@ -1,30 +1,16 @@
 // SPDX-FileCopyrightText: The Raybundle authors
 // SPDX-License-Identifier: Apache-2.0
 
-// What ships on a device takes its memory at the start: this binary counts every call of operator new.
+// What ships on a device takes its memory at the start.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
 #include <random>
 
+#include "heap_calls.hpp"
 #include "raybundle/stereo/dot_fusion.hpp"
 #include "raybundle/stereo/exposure_control.hpp"
 #include "raybundle/stereo/ray_grid.hpp"
 #include "raybundle/stereo/stereo.hpp"
-
-namespace {
-std::atomic<long> heap_calls{0};
-}
-
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++heap_calls;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace raybundle {
 namespace {
@@ -50,7 +36,8 @@ TEST(Stereo, TakesNoMemoryAfterItsStart) {
     for (int u = 5; u < rectified.width; u += 10) dots.push_back({1.0 * u, 1.0 * v, 10.0, 0.1});
   }
 
-  const long before = heap_calls;
+  const long before = testing::heap_calls;
+  EXPECT_EQ(before > 0, testing::kHeapIsCounted);
   int matched = 0;
   for (int i = 0; i < 3; ++i) {
     const StereoFrame frame = matcher.process(left, right);
@@ -59,7 +46,7 @@ TEST(Stereo, TakesNoMemoryAfterItsStart) {
     fusion.fuse(frame.left, frame.disparity, dots);
     exposure.update(left, exposure.next());
   }
-  EXPECT_EQ(heap_calls - before, 0);
+  EXPECT_EQ(testing::heap_calls - before, 0);
   EXPECT_GT(matched, 1000);
 }
 

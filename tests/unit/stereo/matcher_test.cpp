@@ -255,6 +255,13 @@ TEST(Matcher, SaysWhatIsWrongWithItsOptions) {
   options.mask.clear();
   EXPECT_THROW(Matcher({64, 64}, options), Error);
   EXPECT_THROW(Matcher({4, 64}, MatchOptions{}), Error);
+  options = {};  // 2021, 1013, 509, 257
+  options.disparities = 2021;
+  options.least_disparity = 7;
+  options.coarse_levels = 3;
+  EXPECT_THROW(Matcher({640, 480}, options), Error);
+  options.disparities = 2010;  // 2010, 1007, 506, 256
+  EXPECT_NO_THROW(Matcher({640, 480}, options));
 }
 
 // The right image as another camera would see it.

@@ -12,6 +12,7 @@
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/rotation.hpp"
 #include "raybundle/stereo/remap.hpp"
+#include "raybundle/stereo/stereo.hpp"
 
 namespace raybundle {
 namespace {
@@ -190,6 +191,19 @@ TEST(Rectify, SaysWhatIsWrongWithAPairThatCannotBeRectified) {
   }
   right.camera_from_rig.translation = {0, 0, -0.1};
   EXPECT_THROW(rectify(left, right), Error);  // one behind the other
+}
+
+TEST(StereoMatcher, RefusesCamerasThatSeeNothingInCommon) {
+  const ModelId fisheye = *model_named("kannala_brandt");
+  Calibration calibration;
+  calibration.cameras = {{"left", start_camera(fisheye, {640, 480}, 300.0), {}},
+                         {"right", start_camera(fisheye, {640, 480}, 650.0), {}}};
+  const Eigen::Quaterniond turned(Eigen::AngleAxisd(-100 * M_PI / 180, Eigen::Vector3d::UnitY()));
+  const Eigen::Vector3d between(0.1 * std::cos(50 * M_PI / 180), 0.0, -0.1 * std::sin(50 * M_PI / 180));
+  calibration.cameras[1].camera_from_rig = {turned, -(turned * between)};
+  EXPECT_THROW(StereoMatcher(calibration, "left", "right"), Error);
+  calibration.cameras[1].camera_from_rig = {Eigen::Quaterniond::Identity(), {-0.1, 0.0, 0.0}};
+  EXPECT_NO_THROW(StereoMatcher(calibration, "left", "right"));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include "raybundle/geometry/error.hpp"
 #include "raybundle/structured_light/structured_light.hpp"
 #include "worlds.hpp"
 
@@ -71,6 +72,21 @@ TEST(Labels, AreNotGivenToDotsThatAreNearerThanTheSensorMeasures) {
     ASSERT_GT(dots.size(), 100u);
     EXPECT_TRUE(sensor.process(dots).points.empty()) << depth_m;
   }
+}
+
+TEST(Labels, AreNotGivenToDotsBesideTheImage) {
+  const SensorWorld world = sensor_world({11, 11}, 13.0);
+  const SensorTable table = sensor_table(world.calibration, "", {}, "a test");
+  StructuredLight sensor(table);
+  std::vector<Dot> dots;
+  for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(100, 1e6), Eigen::Vector2d(-1e9, 5), Eigen::Vector2d(641, 3),
+                                       Eigen::Vector2d(std::nan(""), 3), Eigen::Vector2d(3, INFINITY)}) {
+    dots.push_back({pixel, 0.01 * Eigen::Matrix2d::Identity(), kUnlabelled, 0.0});
+  }
+  const LaserFrame& frame = sensor.process(dots);
+  EXPECT_TRUE(frame.points.empty());
+  EXPECT_EQ(frame.dots.size(), dots.size());
+  EXPECT_THROW(StructuredLight(table, {.dots = {}, .health = {.window = 0}}), Error);
 }
 
 TEST(LaserPoint, LiesOnItsBeamAndScattersAsItsCovarianceSays) {

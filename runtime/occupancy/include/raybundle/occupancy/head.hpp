@@ -52,8 +52,7 @@ struct Head {
   double size = 1.0;                                        ///< the mean head has 1
   Eigen::Matrix3d vehicle_from_head = Eigen::Matrix3d::Identity();  ///< columns: towards face, left ear, crown
   int points = 0;                                                   ///< on it
-  double residual_m = 0.0;                                          ///< their root mean square distance from it
-  double misfit = 0.0;                                              ///< the same in sigmas of points and of shape
+  double misfit = 0.0;  ///< their root mean square distance from it, in sigmas of points and of shape
   double filled = 0.0;  ///< share of the rays through a ball of its size that end on it
   double clear = 0.0;   ///< share of the rays just beside the upper half of that ball that end far behind
 };

@@ -43,6 +43,7 @@ struct LearnOptions {
 /// whose answers are right with the wanted share at 95 % confidence. Not for the device: it uses the heap.
 ///
 /// @throws Error(kNotEnoughData) when a class has too few voting cases; Error(kBadInput) when sizes differ
+///         or options are out of their ranges
 /// Source: embedding_search.hpp
 CaseBase learn(const LabelledCases& cases, const LearnOptions& options = {});
 

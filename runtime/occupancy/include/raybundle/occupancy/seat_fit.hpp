@@ -10,7 +10,7 @@ namespace raybundle {
 
 struct SeatFitOptions {
   double half_width_m = 0.11;  ///< of the seat's flat middle: bolsters rise beside it
-  double tolerance_m = 0.03;   ///< of a point from a line that it belongs to, beside three of its sigmas
+  double tolerance_m = 0.03;   ///< of a point from a line that it belongs to, with two of its sigmas; wider at first
   int least_points = 12;       ///< on each line
   int iterations = 12;
   double alike_points = 16.0;  ///< so many points err alike, as neighbouring pixels of a matcher do: for sigmas
@@ -26,8 +26,7 @@ struct SeatFit {
   int back_points = 0;
   Eigen::Vector2d bight_sigma_m = Eigen::Vector2d::Zero();  ///< by the points' scatter about the lines
   double recline_sigma_rad = 0.0;
-  double planarity_m = 0.0;  ///< root mean square distance of their points from the two lines
-  double hidden = 0.0;       ///< share of the points within the seat's reach that are on it
+  double hidden = 0.0;  ///< share of the points within the seat's reach that are on it
 };
 
 /// Cushion and back as two lines in the longitudinal plane. They start from the seat amid its travel and grow: points

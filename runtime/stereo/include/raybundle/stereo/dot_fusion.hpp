@@ -61,7 +61,7 @@ struct FusedView {
 ///
 /// Through each dot and its nearest neighbours of like surroundings goes the plane that most of them agree with, of
 /// those the least steep. A pixel without a match takes the planes of the nearest dots in each quadrant about it,
-/// weighted by their variances, if they are in three quadrants at least, so that nothing is extrapolated, if all are of
+/// weighted by their variances, if they are in three quadrants at least, so that hardly anything is extrapolated, if all are of
 /// the pixel's grey, and if the planes agree. Sigma grows with the distance from the dots, and is not made smaller by
 /// their number, because planes share dots. Without dots every disparity is the matcher's, bit for bit.
 ///

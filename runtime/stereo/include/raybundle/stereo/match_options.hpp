@@ -34,7 +34,8 @@ CensusMask sparse_census(int side_px);
 
 /// How to match. What an option is, is also what it is when it is left out.
 struct MatchOptions {
-  /// Searched, 1 to 256; with coarse levels 256 of the coarsest one's pixels. Up to the next of 32, 64, 96, 128, 192
+  /// Searched, 1 to 256; with coarse levels as many that the coarsest one, which halves them and adds two for each
+  /// level, has no more. Up to the next of 32, 64, 96, 128, 192
   /// and 256 they compete along paths, but are never taken.
   int disparities = 64;
   int least_disparity = 0;  ///< the first of them [px], >= 0, itself never a match: for scenes that are never far

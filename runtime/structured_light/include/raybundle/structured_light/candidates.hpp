@@ -42,7 +42,7 @@ class Candidates {
   explicit Candidates(int most_dots);
 
   /// Epipolar and depth test of every dot against the beams of its cell. A dot belongs to a curve within the table's
-  /// tolerance and within `kGateSigmas`.
+  /// tolerance and within `kGateSigmas`; one beside the image to none.
   ///
   /// @param dots  at most as many as said at the start
   void find(const BeamSet& beams, std::span<const Dot> dots);

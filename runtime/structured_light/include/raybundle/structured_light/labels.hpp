@@ -40,7 +40,7 @@ struct LabelWork {
   std::vector<int> dot_of_beam;                     ///< -1: none
   std::vector<char> alive;                          ///< of each candidate
   std::vector<double> weight, next_weight;          ///< of each candidate
-  std::vector<double> no_beam, next_no_beam;        ///< weight that a dot is of none
+  std::vector<double> no_beam;                      ///< weight that a dot is of none
   std::vector<std::array<double, 2>> best_of_beam;  ///< the two largest weights
   std::vector<int> doubtful;                        ///< dots
   std::vector<int> first_of_beam, of_beam;          ///< candidates beam by beam
