@@ -9,6 +9,13 @@ Rigid3 rigid3_of(const Eigen::Matrix4d& b_from_a) {
   constexpr double kRounding = 1e-6;
   const auto transform = rigid3_from_matrix(b_from_a.topLeftCorner<3, 3>(), b_from_a.topRightCorner<3, 1>(), kRounding);
   if (!transform) throw Error(ErrorKind::kBadInput, "the upper left 3x3 of a transform has to be a rotation");
+  if (!b_from_a.allFinite()) throw Error(ErrorKind::kBadInput, "a transform has to be of finite numbers");
+  const Eigen::RowVector4d last = b_from_a.row(3) - Eigen::RowVector4d::Unit(3);
+  if (!(last.cwiseAbs().maxCoeff() <= kRounding)) {
+    throw Error(ErrorKind::kBadInput,
+                "the last row of a transform has to be 0 0 0 1: it multiplies columns, and its last column is the "
+                "translation");
+  }
   return *transform;
 }
 

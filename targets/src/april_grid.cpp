@@ -288,10 +288,9 @@ Detection detect_april_grid(const cv::Mat& gray, const AprilGrid& board) {
   Grid grid{gray, board, tag_family_named(board.family)};
   const MarkerSearch search = find_markers(gray, grid.codes, board.border_bits);
   const std::vector<Marker> mine = of_this_board(search.markers, board);
-  std::vector<Marker> markers = choose_turn(grid, mine);
+  const std::vector<Marker> markers = choose_turn(grid, mine);
   // A lone tag does not show by which quarter turn the print differs: its corners might be numbered from the wrong one.
   const bool lone = markers.empty() && mine.size() == 1;
-  if (lone && grid.tags() == 1) markers = mine;
   Detection detection;
   if (!markers.empty()) {
     grid.corner_squares = has_corner_squares(grid, markers);

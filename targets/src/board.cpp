@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "board_dictionary.hpp"
+#include "circle_lattice.hpp"
 
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/targets/board_kind.hpp"
@@ -73,13 +74,22 @@ void check_board(const AprilGrid& board) {
   }
 }
 
+void check_circles(int columns, int rows) {
+  check_grid("circles", columns, rows, 2);
+  const auto circles = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+  if (circles > kMostEllipses) {
+    refuse(
+        fmt::format("a grid of {}x{} circles is too large: at most {} are told apart", columns, rows, kMostEllipses));
+  }
+}
+
 void check_board(const Circles& board) {
-  check_grid("circles", board.columns, board.rows, 2);
+  check_circles(board.columns, board.rows);
   check_size("spacing_m", board.spacing_m);
 }
 
 void check_board(const AsymmetricCircles& board) {
-  check_grid("circles", board.columns, board.rows, 2);
+  check_circles(board.columns, board.rows);
   check_size("spacing_m", board.spacing_m);
   if (board.row_step_m != 0.0) check_size("row_step_m", board.row_step_m);
 }
@@ -120,12 +130,11 @@ std::vector<TargetPoint> points_of(const Circles& board) { return grid(board.col
 
 std::vector<TargetPoint> points_of(const AsymmetricCircles& board) {
   const int shift = board.first_row_shifted ? 1 : 0;
-  const double row_step_m = board.row_step_m > 0.0 ? board.row_step_m : board.spacing_m;
   std::vector<TargetPoint> points;
   for (int row = 0; row < board.rows; ++row) {
     for (int column = 0; column < board.columns; ++column) {
       const double x = (2 * column + (row + shift) % 2) * board.spacing_m;
-      points.push_back({row * board.columns + column, {x, row * row_step_m, 0.0}});
+      points.push_back({row * board.columns + column, {x, row * board.between_rows_m(), 0.0}});
     }
   }
   return points;

@@ -118,11 +118,7 @@ BoardPicture discs_at_points(const Board& board, double nearest_m) {
 
 BoardPicture draw_kind(const Circles& board) { return discs_at_points(board, board.spacing_m); }
 
-BoardPicture draw_kind(const AsymmetricCircles& board) {
-  const double row_step = board.row_step_m > 0.0 ? board.row_step_m : board.spacing_m;
-  const double two_rows = 2.0 * std::min(board.spacing_m, row_step);
-  return discs_at_points(board, std::min(two_rows, std::hypot(board.spacing_m, row_step)));
-}
+BoardPicture draw_kind(const AsymmetricCircles& board) { return discs_at_points(board, board.nearest_m()); }
 
 BoardPicture draw_kind(const PointSet& board) {
   throw Error(ErrorKind::kBadInput, "a list of points has no print that could be drawn", board.file);

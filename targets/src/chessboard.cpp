@@ -63,19 +63,10 @@ Lattice grown(const std::vector<cv::Mat>& levels, int level, const Lattice& seed
 
 }  // namespace
 
-cv::Mat eight_bit(const cv::Mat& gray) {
-  if (gray.depth() == CV_8U) return gray;
-  double brightest = 0;
-  cv::minMaxLoc(gray, nullptr, &brightest);
-  cv::Mat scaled;
-  gray.convertTo(scaled, CV_8U, 255 / std::max(brightest, 255.0));
-  return scaled;
-}
-
 Detection detect_chessboard(const cv::Mat& gray, const Chessboard& board) {
   constexpr int kTooSmall_px = 16;
   if (std::min(gray.cols, gray.rows) < kTooSmall_px) return {};
-  const std::vector<cv::Mat> levels = pyramid_of(eight_bit(gray));
+  const std::vector<cv::Mat> levels = pyramid_of(gray);
   const std::size_t all = static_cast<std::size_t>(board.columns) * static_cast<std::size_t>(board.rows);
   const int longest = std::max(board.columns, board.rows) + 2;
   Detection best;

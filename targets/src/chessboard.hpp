@@ -11,9 +11,6 @@
 
 namespace raybundle {
 
-/// The image itself, or with 16 bits its values scaled so that the brightest pixel becomes 255.
-cv::Mat eight_bit(const cv::Mat& gray);
-
 /// Finds a chessboard, full or with corners missing, at any distortion; follows curved rows by local prediction.
 ///
 /// Id 0 is never mirrored: x right, y down, looking at the printed side. Where columns + rows is odd, the square
@@ -24,7 +21,7 @@ cv::Mat eight_bit(const cv::Mat& gray);
 /// A board that shows one column or one row more than asked for, or both, gives the asked part of it next to its own
 /// corner 0, with a hint. Any other size gives nothing, and a hint when the lattice seen is clean.
 ///
-/// @param gray  8-bit or 16-bit single channel
+/// @param gray  8-bit single channel
 /// @return      no observations when there is no board or its place on the lattice is ambiguous
 Detection detect_chessboard(const cv::Mat& gray, const Chessboard& board);
 

@@ -31,7 +31,7 @@ std::vector<std::pair<int, Saddle>> refined(const cv::Mat& gray, const Chessboar
 
 std::vector<Observation> refine_predicted_chessboard(const cv::Mat& gray, const Chessboard& board,
                                                      const std::vector<Observation>& predicted) {
-  const cv::Mat image = eight_bit(gray);
+  const cv::Mat& image = gray;
   std::vector<std::pair<int, Saddle>> found = refined(image, board, predicted, 1);
   if ((board.columns + board.rows) % 2 == 0 && 2 * found.size() < predicted.size()) {
     std::vector<std::pair<int, Saddle>> bright_first = refined(image, board, predicted, 0);  // either print is in use

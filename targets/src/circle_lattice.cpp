@@ -10,7 +10,9 @@
 #include <array>
 #include <cmath>
 #include <deque>
+#include <functional>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 namespace raybundle {
@@ -23,7 +25,6 @@ constexpr double kAreaRatio = 2.2;    // between neighbours
 constexpr double kCollinear = 0.85;   // cosine between the two steps of a lattice
 constexpr double kFewestShare = 0.9;  // of the pattern's circles
 constexpr int kShiftRoom = 2;         // cells by which stray blobs may enlarge the lattice's bounds
-constexpr std::size_t kMostEllipses = 3000;
 
 struct Lattice {
   std::map<Cell, std::size_t> ellipse_at;
@@ -224,11 +225,18 @@ double rightward(const std::vector<Ellipse>& ellipses, const CirclePattern& patt
   return x_axis.x() / std::max(1e-12, x_axis.norm());
 }
 
-}  // namespace
+// The indices of the largest, in ascending order: small blobs are gravel and leaves.
+std::vector<std::size_t> largest_of(const std::vector<Ellipse>& ellipses, std::size_t count) {
+  std::vector<std::size_t> indices(ellipses.size());
+  std::iota(indices.begin(), indices.end(), 0);
+  if (ellipses.size() <= count) return indices;
+  std::ranges::stable_sort(indices, std::greater{}, [&](std::size_t i) { return ellipses[i].shape.determinant(); });
+  indices.resize(count);
+  std::ranges::sort(indices);
+  return indices;
+}
 
-CircleMatch match_circles(const std::vector<Ellipse>& all, const CirclePattern& pattern) {
-  std::vector<Ellipse> ellipses = all;
-  if (ellipses.size() > kMostEllipses) ellipses.resize(kMostEllipses);
+CircleMatch match_of(const std::vector<Ellipse>& ellipses, const CirclePattern& pattern) {
   std::vector<char> used(ellipses.size(), 0);
   Lattice largest;
   for (std::size_t seed = 0; seed < ellipses.size(); ++seed) {
@@ -264,6 +272,17 @@ CircleMatch match_circles(const std::vector<Ellipse>& all, const CirclePattern& 
   match.hint = fmt::format("{} circles seen in a lattice of {} x {}, where the board has {}: check columns and rows",
                            seen, bounds.high.first - bounds.low.first + 1, bounds.high.second - bounds.low.second + 1,
                            pattern.cells.size());
+  return match;
+}
+
+}  // namespace
+
+CircleMatch match_circles(const std::vector<Ellipse>& ellipses, const CirclePattern& pattern) {
+  const std::vector<std::size_t> indices = largest_of(ellipses, kMostEllipses);
+  std::vector<Ellipse> some;
+  for (const std::size_t i : indices) some.push_back(ellipses[i]);
+  CircleMatch match = match_of(some, pattern);
+  for (auto& [id, ellipse] : match.ellipse_of) ellipse = indices[ellipse];
   return match;
 }
 

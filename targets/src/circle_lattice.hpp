@@ -12,6 +12,9 @@
 
 namespace raybundle {
 
+/// Blobs among which a pattern is looked for, and circles that a pattern may have: the way through them is quadratic.
+inline constexpr std::size_t kMostEllipses = 3000;
+
 /// A grid of circles as whole numbers: where each circle lies on the lattice that its neighbours span.
 struct CirclePattern {
   std::vector<std::pair<int, int>> cells;   ///< by point id
@@ -25,7 +28,8 @@ struct CircleMatch {
 };
 
 /// Finds a pattern among ellipses: grows lattices from neighbour to neighbour, which follows any distortion, and lays
-/// the pattern over the largest. Up to a tenth of the circles may be missing, as long as no other place fits as well.
+/// the pattern over the largest. Up to a tenth of the circles may be missing, as long as no other place fits as well. Of
+/// more than kMostEllipses the largest count.
 CircleMatch match_circles(const std::vector<Ellipse>& ellipses, const CirclePattern& pattern);
 
 }  // namespace raybundle

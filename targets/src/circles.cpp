@@ -34,15 +34,14 @@ CirclePattern pattern_of(const Circles& board) {
 
 // On the lattice of the two diagonals to the next row.
 CirclePattern pattern_of(const AsymmetricCircles& board) {
-  const double row_step_m = board.row_step_m > 0.0 ? board.row_step_m : board.spacing_m;
   const int shift = board.first_row_shifted ? 1 : 0;
   CirclePattern pattern;
-  pattern.spacing_m = std::min(2.0 * board.spacing_m, std::hypot(board.spacing_m, row_step_m));
+  pattern.spacing_m = board.nearest_m();
   for (int row = 0; row < board.rows; ++row) {
     for (int column = 0; column < board.columns; ++column) {
       const int x = 2 * column + (row + shift) % 2;
       pattern.cells.emplace_back((x + row - shift) / 2, (row - x + shift) / 2);
-      pattern.x_in_board.emplace_back(x * board.spacing_m, row * row_step_m);
+      pattern.x_in_board.emplace_back(x * board.spacing_m, row * board.between_rows_m());
     }
   }
   return pattern;

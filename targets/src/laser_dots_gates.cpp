@@ -46,7 +46,8 @@ SpotShape usual_shape(const std::vector<SpotCandidate>& candidates, const SpotSh
   double scatter = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     std::vector<double> deviations = entries[k];
-    for (double& value : deviations) value = std::abs(value - median(entries[k]));
+    const double middle = median(entries[k]);
+    for (double& value : deviations) value = std::abs(value - middle);
     scatter = std::max(scatter, 1.48 * median(deviations));
   }
   // The noise of single fits is part of the scatter: the prior errs on the side of too weak.

@@ -38,8 +38,8 @@ using MarkerLayout = std::vector<Quad>;
 /// wrong layouts.
 std::vector<Marker> consistent_markers(const std::vector<Marker>& markers, const MarkerLayout& layout);
 
-/// Bits of a marker that read wrong, as a share of those that lie in the image; 1 when a corner of the quad is out of
-/// sight or the border is not darker than the code's bright bits.
+/// Bits of a marker that read wrong, as a share of those that lie in the image; 1 when more than half of the bits are out
+/// of sight or the border is not darker than the code's bright bits.
 ///
 /// @param corners  as of Marker
 double misread_bits(const cv::Mat& gray, const Quad& corners, const cv::Ptr<cv::aruco::Dictionary>& dictionary, int id,

@@ -95,6 +95,10 @@ class Cameras(unittest.TestCase):
             raybundle.Camera("pinhole", 640, 480, [0.0, 1.0, 2.0, 3.0])
         with self.assertRaisesRegex(raybundle.Error, "has to be a rotation"):
             raybundle.RigCamera("left", raybundle.Camera("pinhole", 640, 480, [1.0, 1.0, 2.0, 3.0]), 2 * np.eye(4))
+        by_rows = np.eye(4)
+        by_rows[3, 0] = -0.1  # a transform of row vectors
+        with self.assertRaisesRegex(raybundle.Error, "last row of a transform has to be 0 0 0 1"):
+            raybundle.RigCamera("left", raybundle.Camera("pinhole", 640, 480, [1.0, 1.0, 2.0, 3.0]), by_rows)
 
 
 class Calibrates(unittest.TestCase):

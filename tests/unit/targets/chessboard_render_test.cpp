@@ -6,6 +6,7 @@
 
 #include "../../../targets/src/chessboard.hpp"
 #include "board_render.hpp"
+#include "raybundle/targets/detect.hpp"
 
 namespace raybundle {
 namespace {
@@ -178,7 +179,7 @@ TEST(ChessboardRender, SixteenBitImagesAreReadAsWell) {
   const Rigid3 pose = board_pose(0.2, 0, 0.3, 0.1, 0.28);
   cv::Mat deep;
   render_board(camera, pose, chessboard_print(9, 6, 0.025)).convertTo(deep, CV_16U, 16);  // 12 bits in use
-  EXPECT_EQ(detect_chessboard(deep, kBoard).observations.size(), 54U);
+  EXPECT_EQ(detect(kBoard, deep).observations.size(), 54U);
 }
 
 TEST(ChessboardRender, ImageWithoutBoardGivesNothing) {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <variant>
 #include <vector>
@@ -56,6 +58,12 @@ struct AsymmetricCircles {
   double spacing_m = 0.0;
   double row_step_m = 0.0;         ///< 0: as spacing_m; a hexagonal grid has sqrt(3) * spacing_m
   bool first_row_shifted = false;  ///< the even rows are shifted instead: x = (2 * column + (row + 1) % 2) * spacing
+
+  double between_rows_m() const { return row_step_m > 0.0 ? row_step_m : spacing_m; }
+  /// From a circle to the nearest other one: in its row, in the next, or in the one after that.
+  double nearest_m() const {
+    return std::min(2.0 * std::min(spacing_m, between_rows_m()), std::hypot(spacing_m, between_rows_m()));
+  }
 };
 
 /// Any rigid set of points, for observations that others made; it cannot be detected or drawn.
