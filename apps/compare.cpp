@@ -8,6 +8,7 @@
 
 #include "comparison_text.hpp"
 #include "number_flags.hpp"
+#include "page_text.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
 #include "raybundle/scene/number.hpp"
@@ -50,6 +51,11 @@ std::vector<std::string> missed_gates(const CompareFlags& flags, const Calibrati
                                    flags.max_sigmas));
     }
   }
+  if (flags.max_sigmas > 0.0) {
+    for (const std::string& lonely : comparison.not_compared) {
+      missed.push_back(lonely + " (--max-sigmas)");
+    }
+  }
   return missed;
 }
 
@@ -71,7 +77,7 @@ void run(const CompareFlags& flags) {
     json["b"] = flags.b;
     json["passed"] = missed.empty();
     json["missed"] = missed;
-    fmt::print("{}\n", json.dump());
+    fmt::print("{}\n", text_of_json(json));
   } else {
     fmt::print("{}", comparison_text(comparison));
     if (flags.sigmas_from == SigmasFrom::kCorners && a.calibration.covariance_by_frame &&
@@ -106,7 +112,8 @@ void add_compare_verb(CLI::App& app) {
   verb->add_option("--max-px", flags->max_px, "gate: no projection may differ by more [px]")->check(above_zero);
   verb->add_option(
           "--max-sigmas", flags->max_sigmas,
-          "gate: 90 % of the image within so many summed sigmas, every extrinsic and beam within so many sigmas")
+          "gate: 90 % of the image within so many summed sigmas, every extrinsic and beam within so many sigmas, "
+          "and nothing that cannot be compared")
       ->check(above_zero);
   verb->add_flag("--json", flags->json, "print the result as JSON, with the maps");
   verb->footer(

@@ -56,7 +56,7 @@ std::string sigmas_text(const std::vector<NormalizedDifference>& differences, co
   double squares = 0.0;
   int count = 0;
   for (const NormalizedDifference& d : differences) {
-    if (!std::isfinite(d.sigmas)) continue;
+    if (std::isnan(d.sigmas)) continue;
     squares += d.sigmas * d.sigmas;
     ++count;
     if (worst == nullptr || d.sigmas > worst->sigmas) worst = &d;
@@ -84,6 +84,7 @@ nlohmann::ordered_json json_from_comparison(const CalibrationComparison& compari
           {"projections", projections},
           {"extrinsics", json_from_differences(comparison.extrinsics)},
           {"beams", json_from_differences(comparison.beams)},
+          {"not_compared", comparison.not_compared},
           {"remarks", comparison.remarks}};
 }
 
@@ -100,6 +101,7 @@ std::string comparison_text(const CalibrationComparison& comparison) {
   if (!extrinsics.empty()) text += "extrinsics: " + extrinsics;
   const std::string beams = sigmas_text(comparison.beams, " m");
   if (!beams.empty()) text += "beams: " + beams;
+  for (const std::string& lonely : comparison.not_compared) text += "note: " + lonely + "\n";
   for (const std::string& remark : comparison.remarks) text += "note: " + remark + "\n";
   return text;
 }

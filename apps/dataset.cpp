@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -99,13 +100,15 @@ SurveyInput survey_from(const toml::table& table, const std::string& file) {
   survey.sightings = (folder / reader.text("sightings")).generic_string();
   survey.height = reader.value<std::string>("height", "a text in quotes").value_or("");
   survey.sigma_px = reader.value<double>("sigma_px", "a number").value_or(survey.sigma_px);
-  if (!(survey.sigma_px > 0)) reader.fail(nullptr, "[survey].sigma_px must be positive");
+  if (!(survey.sigma_px > 0) || !std::isfinite(survey.sigma_px)) {
+    reader.fail(nullptr, "[survey].sigma_px must be positive and finite");
+  }
   if (const toml::node* origin = reader.get("origin")) {
     const toml::array* numbers = origin->as_array();
     for (std::size_t i = 0; numbers != nullptr && i < numbers->size(); ++i) {
-      if ((*numbers)[i].is_number()) survey.origin.push_back(*(*numbers)[i].value<double>());
+      survey.origin.push_back((*numbers)[i].value<double>().value_or(std::nan("")));
     }
-    if (survey.origin.size() != 3) {
+    if (survey.origin.size() != 3 || !std::ranges::all_of(survey.origin, [](double x) { return std::isfinite(x); })) {
       reader.fail(origin, "[survey].origin must be [latitude, longitude, height] in degrees and metres");
     }
   }

@@ -9,6 +9,8 @@
 #include <optional>
 
 #include "export.hpp"
+#include "foreign_files.hpp"
+#include "output_folder.hpp"
 #include "page_text.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/hash.hpp"
@@ -59,6 +61,8 @@ void print_json(const SensorTable& table, const ExportRequest& request, const st
 bool run(const TableFlags& flags, const ExportRequest& request) {
   if (flags.runtime.empty()) return false;
   if (request.output.empty()) throw Error(ErrorKind::kBadInput, "where to? Give -o FILE, as in -o sensor.rbsl");
+  require_writable_file(request.output, "--output");
+  require_other_file({request.calibration}, request.output);
   SensorFlags sensor = flags.sensor;
   sensor.camera = request.camera;
   const SensorTable made = table_from_calibration(request.calibration, sensor);

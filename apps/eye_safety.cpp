@@ -9,6 +9,7 @@
 
 #include "eye_safety_limits.hpp"
 #include "number_flags.hpp"
+#include "page_text.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
 #include "raybundle/scene/laser.hpp"
@@ -124,7 +125,7 @@ void print_json(const SafetyFlags& flags, const Judgement& judgement) {
                                 {"permissible_total_mW", 1e3 * judgement.total_W},
                                 {"permissible_total_grating_lost_mW", 1e3 * judgement.one_fault_W},
                                 {"note", kNoVerdict}};
-  fmt::print("{}\n", result.dump(2));
+  fmt::print("{}\n", text_of_json(result, 2));
 }
 
 void run(SafetyFlags flags) {

@@ -36,19 +36,27 @@ Target bent(const Target& target, const BoardShape& shape) {
   return result;
 }
 
+// The board of the calibration that a target is, and how much larger: of several that are alike the one of its name.
+std::pair<const CalibratedTarget*, double> known_board(const Calibration& calibration, const Target& target) {
+  std::pair<const CalibratedTarget*, double> known{nullptr, 1.0};
+  for (const CalibratedTarget& board : calibration.targets) {
+    const std::optional<double> scale = scale_between(target, board.target);
+    const bool named = board.target.name == target.name;
+    if (scale && (known.first == nullptr || named)) known = {&board, *scale};
+    if (scale && named) break;
+  }
+  return known;
+}
+
 void bend_known_boards(const Calibration& calibration, HeldOut& held) {
   for (Target& target : held.problem.targets) {
-    for (const CalibratedTarget& known : calibration.targets) {
-      const std::optional<double> scale = scale_between(target, known.target);
-      if (!scale) continue;
-      if (std::abs(*scale - 1.0) > 1e-6) {
-        held.warnings.push_back(
-            fmt::format("{} is given {:.6g} times as large as the board of the calibration: is the unit right?",
-                        target.name, *scale));
-      }
-      target = bent(target, BoardShape::from_sags(*scale * known.shape.sags()));
-      break;
+    const auto [known, scale] = known_board(calibration, target);
+    if (known == nullptr) continue;
+    if (std::abs(scale - 1.0) > 1e-6) {
+      held.warnings.push_back(fmt::format(
+          "{} is given {:.6g} times as large as the board of the calibration: is the unit right?", target.name, scale));
     }
+    target = bent(target, BoardShape::from_sags(scale * known->shape.sags()));
   }
 }
 

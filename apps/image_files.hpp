@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <string>
@@ -70,6 +71,10 @@ class GreyVideo {
   struct Data;
   std::unique_ptr<Data> data_;
 };
+
+/// Images of one moment in 8 bits. Those of more are scaled alike, by the least number of bits, of 10, 12 and 16, that
+/// holds the brightest pixel of all.
+void in_8_bits(std::initializer_list<cv::Mat*> images);
 
 /// Calls use(gray, frame) for the image, or for every frame of the video in order, with its frame name.
 ///

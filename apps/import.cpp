@@ -63,8 +63,8 @@ std::string table_of(const Calibration& calibration) {
 
 void run(const ImportFlags& flags) {
   require_writable_file(flags.output, "--output");
-  require_other_file(flags.files, flags.output);
   const ForeignFiles read = read_foreign_files(flags.files, flags.from);
+  for (const NamedText& file : read.files) require_other_file({file.name}, flags.output);
   const CalibrationFile file = calibration_from(flags, read);
   for (const RigCamera& camera : file.calibration.cameras) {
     const InjectivityReport report = check_injectivity(camera.camera);

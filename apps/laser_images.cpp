@@ -54,26 +54,6 @@ void require_size(const cv::Mat& image, const std::string& path, const SensorTab
               path);
 }
 
-// Largest value that the images can hold, of those of more than 8 bits.
-double full_scale(const ShotImages& images) {
-  double largest = 0.0;
-  for (const cv::Mat& image : {images.on, images.off}) {
-    if (image.empty() || image.depth() == CV_8U) continue;
-    double most = 0.0;
-    cv::minMaxLoc(image, nullptr, &most);
-    largest = std::max(largest, most);
-  }
-  return largest < 1024.0 ? 1023.0 : largest < 4096.0 ? 4095.0 : 65535.0;
-}
-
-ShotImages in_8_bits(ShotImages images) {
-  const double full = full_scale(images);
-  for (cv::Mat* image : {&images.on, &images.off}) {
-    if (!image->empty() && image->depth() != CV_8U) image->convertTo(*image, CV_8U, 255.0 / full);
-  }
-  return images;
-}
-
 }  // namespace
 
 std::vector<LaserShot> laser_shots(const std::vector<std::string>& on, const std::vector<std::string>& off) {
@@ -104,7 +84,8 @@ void for_each_moment(const LaserShot& shot, const SensorTable& table,
   const auto checked = [&](ShotImages images) {
     require_size(images.on, shot.on, table);
     if (!images.off.empty()) require_size(images.off, shot.off, table);
-    return in_8_bits(std::move(images));
+    in_8_bits({&images.on, &images.off});
+    return images;
   };
   if (is_video(shot.on) != is_video(shot.off) && !shot.off.empty()) {
     throw Error(ErrorKind::kBadInput, "one of laser on and off is a video and the other one an image", shot.off);

@@ -24,8 +24,7 @@ struct LaserShot {
 /// @throws Error(kBadInput) naming an image that lacks its counterpart
 std::vector<LaserShot> laser_shots(const std::vector<std::string>& on, const std::vector<std::string>& off);
 
-/// The grey images of a shot, of 8 bits. Images of more bits are scaled alike, by the least number of bits, of 10, 12
-/// and 16, that holds the brightest pixel of both.
+/// The grey images of a shot, of 8 bits: see in_8_bits().
 struct ShotImages {
   cv::Mat on;
   cv::Mat off;  ///< empty: none

@@ -94,8 +94,19 @@ void run_learn(Flags flags) {
       100 * base.sure_of_situation, flags.output, shell_word(flags.output));
 }
 
+// Simulated cabins have classes and groups of their own, in an order of their own.
+void require_cabin_classes(const CaseBase& base, const std::string& path) {
+  std::vector<std::string> names, known;
+  for (const SituationClass& situation : base.situations) names.push_back(situation.name);
+  for (const SituationClass& situation : cabin_situations()) known.push_back(situation.name);
+  if (names == known && base.group_names == cabin_groups()) return;
+  throw Error(ErrorKind::kBadInput,
+              "has other classes or groups than simulated cabins, which alone it could be evaluated on", path);
+}
+
 void run_evaluate(Flags flags) {
   const CaseBase base = case_base_from_bytes(text_of_file(flags.base), flags.base);
+  require_cabin_classes(base, flags.base);
   EvaluationOptions& options = flags.evaluation;
   options.kind = sensor_kind_of(base);
   refuse_beams_of_stereo(flags, options.kind);

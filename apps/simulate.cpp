@@ -12,6 +12,8 @@
 
 #include "dataset.hpp"
 #include "number_flags.hpp"
+#include "output_folder.hpp"
+#include "page_text.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/scene/atomic_file.hpp"
 #include "raybundle/scene/number.hpp"
@@ -39,7 +41,7 @@ std::string command_of(const SimulateFlags& flags) {
   const SimulateOptions& options = flags.options;
   const SimulateOptions usual;
   std::string command =
-      fmt::format("raybundle simulate {} --frames {} --seed {}", flags.rig, options.frames, options.seed);
+      fmt::format("raybundle simulate {} --frames {} --seed {}", shell_word(flags.rig), options.frames, options.seed);
   const auto add = [&command](const char* flag, double value, double usual_value) {
     if (value != usual_value) command += fmt::format(" {} {}", flag, value);
   };
@@ -52,7 +54,7 @@ std::string command_of(const SimulateFlags& flags) {
   add("--warmer", options.warmer_K, usual.warmer_K);
   if (options.labelled) command += " --labelled";
   if (!flags.images) command += " --no-images";
-  return command + " -o " + flags.output;
+  return command + " -o " + shell_word(flags.output);
 }
 
 LaserGrid grid_of(const std::string& word) {
@@ -123,7 +125,7 @@ void print_json(const SimulateFlags& flags, const Simulation& simulation) {
                        {"dots", counts.dots}});
   }
   const nlohmann::ordered_json result{{"folder", flags.output}, {"command", command_of(flags)}, {"cameras", cameras}};
-  fmt::print("{}\n", result.dump(2));
+  fmt::print("{}\n", text_of_json(result, 2));
 }
 
 void run(const SimulateFlags& flags) {
@@ -131,6 +133,8 @@ void run(const SimulateFlags& flags) {
   const std::string command = command_of(flags);
   BoardedRig boarded = rig_of(flags.rig);
   change_emitter(flags, boarded.rig);
+  if (flags.images) require_images(boarded);
+  require_writable(flags.output);
   Simulation simulation = simulate(boarded.rig, flags.options);
   if (flags.images) {
     for (TargetView& view : simulation.problem.views) {

@@ -12,6 +12,7 @@
 #include "cockpit_files.hpp"
 #include "number_flags.hpp"
 #include "output_folder.hpp"
+#include "page_text.hpp"
 #include "pose_json.hpp"
 #include "raybundle/cockpit/cabin_renderer.hpp"
 #include "raybundle/geometry/error.hpp"
@@ -149,10 +150,10 @@ void run(const SimulateCockpitFlags& flags) {
                            {"vehicle_from_rig", json_from_pose(renderer.sensor().known_vehicle_from_rig)},
                            {"true_vehicle_from_rig", json_from_pose(renderer.sensor().vehicle_from_rig)},
                            {"scenes", scenes}};
-  write_file_whole(folder / "scenes.json", index.dump(1) + "\n");
+  write_file_whole(folder / "scenes.json", text_of_json(index, 1) + "\n");
   if (flags.json) {
     const ordered_json result{{"folder", flags.output}, {"command", command_of(flags)}, {"scenes", flags.scenes}};
-    fmt::print("{}\n", result.dump(2));
+    fmt::print("{}\n", text_of_json(result, 2));
   } else {
     fmt::print("{} scenes of {} frames, seen by {}\nwrote {}\n", flags.scenes, flags.frames, flags.sensor,
                flags.output);

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "page_text.hpp"
 #include "pose_json.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
@@ -44,6 +45,9 @@ std::string laser_section(const ProblemLaser& laser) {
   return text;
 }
 
+// A string of JSON is one of TOML, too.
+std::string quoted(const std::string& text) { return text_of_json(nlohmann::json(text)); }
+
 std::string poses_text(const Simulation& simulation) {
   nlohmann::ordered_json poses = nlohmann::ordered_json::array();
   for (const BoardPose& pose : simulation.poses) {
@@ -51,7 +55,7 @@ std::string poses_text(const Simulation& simulation) {
                      {"target", pose.target},
                      {"rig_from_target", json_from_pose(pose.rig_from_target)}});
   }
-  return nlohmann::ordered_json{{"poses", poses}}.dump(1) + "\n";
+  return text_of_json(nlohmann::ordered_json{{"poses", poses}}, 1) + "\n";
 }
 
 }  // namespace
@@ -59,9 +63,9 @@ std::string poses_text(const Simulation& simulation) {
 std::string dataset_text(const BoardedRig& boarded, const ProblemLaser* laser, const std::string& command) {
   std::string text = fmt::format("# {}\n{}", command, toml_of(boarded.board));
   for (const SimulatedCamera& camera : boarded.rig.cameras) {
-    text += fmt::format("\n[[camera]]\nname = \"{}\"\nimages = \"{}\"\nmodel = \"{}\"\n", camera.name,
-                        simulated_image(camera.name, "*", false), model_name(camera.camera.model));
-    if (laser != nullptr) text += fmt::format("laser_on = \"{}\"\n", simulated_image(camera.name, "*", true));
+    text += fmt::format("\n[[camera]]\nname = {}\nimages = {}\nmodel = \"{}\"\n", quoted(camera.name),
+                        quoted(simulated_image(camera.name, "*", false)), model_name(camera.camera.model));
+    if (laser != nullptr) text += fmt::format("laser_on = {}\n", quoted(simulated_image(camera.name, "*", true)));
   }
   if (laser != nullptr) text += laser_section(*laser);
   return text;

@@ -61,17 +61,6 @@ bool names_a_folder(const SimulatedCamera& camera) {
   return camera.name.find_first_of("/\\*?[") == std::string::npos && camera.name != "." && camera.name != "..";
 }
 
-void check(const BoardedRig& boarded) {
-  if (std::holds_alternative<PointSet>(boarded.board)) {
-    throw Error(ErrorKind::kBadInput, "a board of kind \"points\" has no print to render; add --no-images");
-  }
-  for (const SimulatedCamera& camera : boarded.rig.cameras) {
-    if (names_a_folder(camera)) continue;
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("camera '{}' cannot name a folder of images; rename it, or add --no-images", camera.name));
-  }
-}
-
 }  // namespace
 
 std::string simulated_image(const std::string& camera, const std::string& frame, bool laser) {
@@ -80,6 +69,17 @@ std::string simulated_image(const std::string& camera, const std::string& frame,
 
 std::string simulated_image(const std::string& camera, int frame, bool laser) {
   return simulated_image(camera, fmt::format("{:03}", frame), laser);
+}
+
+void require_images(const BoardedRig& boarded) {
+  if (std::holds_alternative<PointSet>(boarded.board)) {
+    throw Error(ErrorKind::kBadInput, "a board of kind \"points\" has no print to render; add --no-images");
+  }
+  for (const SimulatedCamera& camera : boarded.rig.cameras) {
+    if (names_a_folder(camera)) continue;
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("camera '{}' cannot name a folder of images; rename it, or add --no-images", camera.name));
+  }
 }
 
 void remove_former_images(const fs::path& folder, const std::vector<SimulatedCamera>& cameras) {
@@ -105,7 +105,6 @@ void remove_former_images(const fs::path& folder, const std::vector<SimulatedCam
 
 void write_images(const fs::path& folder, const BoardedRig& boarded, const Simulation& simulation,
                   const SimulateOptions& options, int threads) {
-  check(boarded);
   const std::vector<SimulatedCamera>& cameras = boarded.rig.cameras;
   for (const SimulatedCamera& camera : cameras) {
     std::error_code error;

@@ -20,6 +20,9 @@ std::string simulated_image(const std::string& camera, const std::string& frame,
 /// The same for a frame's number, with leading zeros.
 std::string simulated_image(const std::string& camera, int frame, bool laser);
 
+/// @throws Error(kBadInput) when the board has no print, or a camera a name that is none for a folder
+void require_images(const BoardedRig& boarded);
+
 /// Removes the images of these cameras that a former run left, and says so: they would be taken for those of this one.
 ///
 /// @param folder  of the data set
@@ -29,7 +32,8 @@ void remove_former_images(const std::filesystem::path& folder, const std::vector
 /// Renders and writes the images of all cameras and frames, whether they show the board or not. 10 and 12 bits are
 /// stretched to the 16 of a PNG. The number of threads does not change a bit.
 ///
-/// @throws Error(kBadInput) when the board has no print, or a camera a name that is none for a folder; Error(kIo)
+/// @param boarded  as require_images() lets it pass
+/// @throws Error(kIo)
 void write_images(const std::filesystem::path& folder, const BoardedRig& boarded, const Simulation& simulation,
                   const SimulateOptions& options, int threads);
 

@@ -84,8 +84,8 @@ void StereoFrameInput::read_points(const std::string& path) {
     if (!pixel || !camera.contains(*pixel) || !(x.norm() < kFarthestPoint_m) || !(point.sigma_m > 0)) {
       damaged(path, "holds points that the rectified image does not show");
     }
-    const auto u = static_cast<std::size_t>(std::lround(pixel->x())),
-               v = static_cast<std::size_t>(std::lround(pixel->y()));
+    const auto u = static_cast<std::size_t>(std::floor(pixel->x() + 0.5)),  // from 0: the image contains it
+        v = static_cast<std::size_t>(std::floor(pixel->y() + 0.5));
     points_[v * static_cast<std::size_t>(camera.size.width) + u] = point;
   }
 }

@@ -47,14 +47,6 @@ std::string blank_reason(const cv::Mat& image, const std::string& path) {
                      darkest, brightest);
 }
 
-cv::Mat image_at(const std::string& path) {
-  const cv::Mat image = read_gray(path);
-  if (image.depth() == CV_8U) return image;
-  cv::Mat bytes;
-  image.convertTo(bytes, CV_8U, 1.0 / 256.0);
-  return bytes;
-}
-
 void require_size(const cv::Mat& image, ImageSize size, const std::string& path) {
   if (image.cols == size.width && image.rows == size.height) return;
   throw Error(ErrorKind::kBadInput,
@@ -79,11 +71,11 @@ StereoReconstruction::StereoReconstruction(const StereoReconstructionFlags& flag
 void StereoReconstruction::take(const StereoMoment& moment, bool only_one) {
   StereoImages images;
   try {
-    images = {image_at(moment.left), image_at(moment.right), {}};
-    if (moment.lit == moment.left)
-      images.lit = images.left;
-    else if (!moment.lit.empty())
-      images.lit = image_at(moment.lit);
+    images = {read_gray(moment.left), read_gray(moment.right), {}};
+    const bool lit_apart = !moment.lit.empty() && moment.lit != moment.left;
+    if (lit_apart) images.lit = read_gray(moment.lit);
+    in_8_bits({&images.left, &images.right, &images.lit});
+    if (moment.lit == moment.left) images.lit = images.left;
     require_sizes(moment, images);
   } catch (const Error& error) {
     if (only_one) throw;

@@ -14,6 +14,7 @@
 
 #include "chosen_camera.hpp"
 #include "number_flags.hpp"
+#include "page_text.hpp"
 #include "raybundle/calibrate/survey.hpp"
 #include "raybundle/io/calibration_file.hpp"
 #include "survey_input.hpp"
@@ -54,7 +55,7 @@ void run(const SurveyFlags& flags) {
                                       {"rms_px", std::isfinite(rms) ? nlohmann::ordered_json(rms) : nullptr},
                                       {"sighting_sigma_px", flags.input.sigma_px},
                                       {"images", json_from_survey(images)}};
-    fmt::print("{}\n", json.dump(2));
+    fmt::print("{}\n", text_of_json(json, 2));
   } else {
     fmt::print("{}", survey_table(images));
     if (!passed) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "page_text.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/scene/atomic_file.hpp"
 #include "raybundle/targets/board_file.hpp"
@@ -75,7 +76,7 @@ void run(const TargetFlags& flags) {
     const nlohmann::ordered_json result{{"target", word_of(board)},   {"drawing", flags.output},
                                         {"toml", toml.string()},      {"paper", drawing.paper},
                                         {"width_m", drawing.width_m}, {"height_m", drawing.height_m}};
-    fmt::print("{}\n", result.dump(2));
+    fmt::print("{}\n", text_of_json(result, 2));
     return;
   }
   fmt::print("{}\n  {}\n  {}\n  {}\nnext  raybundle calibrate --target {} --camera NAME='*.jpg' --model MODEL -o out\n",

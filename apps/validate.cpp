@@ -10,6 +10,7 @@
 #include "input_flags.hpp"
 #include "laser_verdict.hpp"
 #include "number_flags.hpp"
+#include "page_text.hpp"
 #include "raybundle/calibrate/calibrate.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
@@ -71,7 +72,7 @@ void print_json(const std::vector<CameraVerdict>& verdicts, const std::optional<
   }
   nlohmann::ordered_json json{{"passed", passed}, {"cameras", cameras}};
   if (dots) json["laser"] = json_of(*dots);
-  fmt::print("{}\n", json.dump(2));
+  fmt::print("{}\n", text_of_json(json, 2));
 }
 
 void print_table(const std::vector<CameraVerdict>& verdicts) {

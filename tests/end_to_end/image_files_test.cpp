@@ -45,6 +45,18 @@ TEST(ReadsImages, OfFloatingPoint) {
   EXPECT_THAT(read_of(0.0F, 1020.0F, 4095.0F), ElementsAre(0, 1020, 4095));
 }
 
+// Cameras of 10 and 12 bits fill the lower ones; what belongs together is scaled alike.
+TEST(ReadsImages, OfMoreThan8BitsByTheBrightestPixelOfAMoment) {
+  const auto scaled = [](int left, int right) {
+    cv::Mat a(1, 1, CV_16U, cv::Scalar(left)), b(1, 1, CV_16U, cv::Scalar(right)), none;
+    apps::in_8_bits({&a, &b, &none});
+    return std::vector<int>{a.at<std::uint8_t>(0), b.at<std::uint8_t>(0)};
+  };
+  EXPECT_THAT(scaled(1023, 0), ElementsAre(255, 0));
+  EXPECT_THAT(scaled(4095, 819), ElementsAre(255, 51));
+  EXPECT_THAT(scaled(13107, 65535), ElementsAre(51, 255));
+}
+
 std::string little_endian(std::uint32_t value, int size) {
   std::string bytes;
   for (int i = 0; i < size; ++i) bytes += static_cast<char>(value >> 8 * i & 0xFF);

@@ -80,10 +80,14 @@ TEST(Simulate, NoImagesWithoutAPrint) {
   write_text(folder / "points.csv",
              "0,0,0,0\n1,0.1,0,0\n2,0.1,0.1,0\n3,0,0.1,0\n4,0.05,0.05,0\n5,0.02,0.05,0\n"
              "6,0.05,0.02,0\n7,0.08,0.05,0\n8,0.08,0.08,0\n");
+  simulate(folder / "sim", rig_file("rig_21mm_stereo"), {"--frames", "1"});
+  const std::string former = text_of(folder / "sim/observations.json");
   const ProgramRun run =
       raybundle_program({"simulate", (folder / "rig.toml").string(), "-o", (folder / "sim").string()});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("--no-images"), std::string::npos) << run.err;
+  EXPECT_EQ(text_of(folder / "sim/observations.json"), former);  // nothing of the run before is touched
+  EXPECT_TRUE(fs::exists(folder / "sim/dataset.toml"));
 }
 
 }  // namespace

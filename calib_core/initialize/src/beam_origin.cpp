@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 
 #include "grating_fit.hpp"
 #include "raybundle/geometry/error.hpp"
@@ -90,6 +91,19 @@ const LatticePlace& place_of_anchor(const LaserScene& scene, const std::vector<H
         view_name(scene.problem, scene.problem.views[anchor.view]));
   }
   return *found;
+}
+
+// The beam that the dots of a line are labelled with, of lines that have labels.
+std::map<std::size_t, int> labels_of_lines(const CalibrationProblem& problem, const std::vector<BeamHit>& hits,
+                                           const std::vector<HitLine>& lines) {
+  std::map<std::size_t, int> labels;
+  for (std::size_t l = 0; l < lines.size(); ++l) {
+    for (const int i : lines[l].hits) {
+      const int beam = problem.views[hits[i].view].dots[hits[i].dot].beam;
+      if (beam != kUnlabelled) labels.emplace(l, beam);
+    }
+  }
+  return labels;
 }
 
 // How much light a line's dots send, whatever their distance and the board's tilt: the upper quartile, because ink
@@ -219,6 +233,15 @@ BeamOrigin beam_origin(const LaserScene& scene, const std::vector<BeamHit>& hits
                                             " of the laser; mend the description or leave it out");
     }
   };
+  const std::map<std::size_t, int> labels = labels_of_lines(problem, hits, lines);
+  if (!labels.empty()) {
+    keep("the labels given", [&](Shift shift) {
+      return std::ranges::all_of(labels, [&](const auto& label) {
+        const auto& [line, beam] = label;
+        return !places[line] || beam_at(laser.grid, *places[line], shift) == beam;
+      });
+    });
+  }
   if (laser.anchor) {
     const LatticePlace& place = place_of_anchor(scene, lines, given_places);
     const LatticePlace anchored = places == given_places ? place : LatticePlace{place.column, place.row};

@@ -160,6 +160,22 @@ void label_dots(const LaserScene& scene, const std::vector<BeamHit>& hits, const
   for (std::size_t i = 0; i < hits.size(); ++i) start.beam_of_dot[hits[i].view][hits[i].dot] = label[i];
 }
 
+bool all_labelled(const CalibrationProblem& problem, const std::vector<BeamHit>& hits) {
+  return std::ranges::none_of(
+      hits, [&](const BeamHit& hit) { return problem.views[hit.view].dots[hit.dot].beam == kUnlabelled; });
+}
+
+// A few labels say which beam is which, but not where the others are: they are found as without labels, where they can.
+BeamLines more_lines(const LaserScene& scene, const std::vector<BeamHit>& hits, BeamLines labelled, BeamStart& start) {
+  try {
+    BeamLines found = unlabelled_lines(scene, hits, start);
+    return found.size() > labelled.size() ? found : labelled;
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kNotEnoughData) throw;
+    return labelled;
+  }
+}
+
 }  // namespace
 
 BeamStart initialize_beams(const LaserScene& scene) {
@@ -168,7 +184,11 @@ BeamStart initialize_beams(const LaserScene& scene) {
   const std::vector<BeamHit> hits = hits_on_boards(scene, start.on_board);
   BeamLines lines = labelled_lines(scene.problem, hits);
   start.origin = "the labels given";
-  if (lines.empty()) lines = unlabelled_lines(scene, hits, start);
+  if (lines.empty()) {
+    lines = unlabelled_lines(scene, hits, start);
+  } else if (lines.size() < kFewestOfModel && !all_labelled(scene.problem, hits)) {
+    lines = more_lines(scene, hits, std::move(lines), start);
+  }
   fit_common_model(scene, lines, start);
   label_dots(scene, hits, lines, start);
   return start;

@@ -89,9 +89,8 @@ std::optional<Grating> start(const std::vector<OrderedLine>& lines) {
 }  // namespace
 
 std::optional<GratingFit> fit_grating(const std::vector<OrderedLine>& lines) {
-  constexpr std::size_t kMinLines = 9;
   constexpr int kMaxIterations = 60;
-  if (lines.size() < kMinLines) return std::nullopt;
+  if (lines.size() < kFewestOfModel) return std::nullopt;
   std::optional<Grating> grating = start(lines);
   if (!grating) return std::nullopt;
   std::optional<Eigen::VectorXd> error = residuals(*grating, lines);

@@ -69,7 +69,7 @@ Eigen::Matrix<double, 3, columns> smallest_projection(std::span<const Eigen::Vec
   return facing < 0 ? Eigen::Matrix<double, 3, columns>(-projection) : projection;
 }
 
-/// Real roots of a quartic (or lower) in descending powers, by the companion matrix.
+/// Real roots of a quartic in descending powers, by the companion matrix; none where it is no quartic.
 std::vector<double> real_roots(const Eigen::Matrix<double, 5, 1>& coefficients) {
   const double largest = coefficients.cwiseAbs().maxCoeff();
   if (!(std::abs(coefficients[0]) > 1e-12 * largest)) return {};

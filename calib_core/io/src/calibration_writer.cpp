@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <set>
 #include <string>
 
 #include "calibration_format.hpp"
@@ -41,7 +42,10 @@ void check(const CalibrationFile& file) {
     refuse("there are " + std::to_string(file.summaries.size()) + " residual summaries for " +
            std::to_string(calibration.cameras.size()) + " cameras");
   }
+  std::set<std::string> names;
   for (const RigCamera& camera : calibration.cameras) {
+    if (camera.name.empty()) refuse("a camera has no name; give each camera one");
+    if (!names.insert(camera.name).second) refuse("two cameras are called " + camera.name + "; give each its own name");
     const bool evident = !camera.evidence || camera.evidence->implied_motion.allFinite();
     if (!camera.camera.parameters.allFinite() || !finite(camera.camera_from_rig) || !evident) {
       refuse("camera " + camera.name + " holds a number that is not finite");

@@ -3,6 +3,7 @@
 #include "raybundle/scene/problem.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <tuple>
@@ -147,6 +148,9 @@ void check_dots(const TargetView& view, const std::optional<ProblemLaser>& laser
     if (!dot.pixel.allFinite()) refuse(name + " has a pixel that is not a finite number", where);
     if (!(covariance(0, 0) > 0 && covariance.determinant() > 0 && covariance == covariance.transpose())) {
       refuse(name + " has a covariance that is not symmetric and positive definite", where);
+    }
+    if (!(dot.brightness >= 0 && std::isfinite(dot.brightness))) {
+      refuse(name + " has a brightness that is not a number from 0 up; write 0 where it is not known", where);
     }
     if (dot.beam == kUnlabelled) continue;
     if (!in_range(dot.beam, laser->grid.size())) {

@@ -7,6 +7,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <tuple>
 
 #include "projection_difference.hpp"
 #include "raybundle/geometry/error.hpp"
@@ -14,6 +16,8 @@
 
 namespace raybundle {
 namespace {
+
+constexpr double kLeastCosine = 0.1;  // of the angle between a beam's lines in both calibrations
 
 const Covariance& covariance_of(const Calibration& calibration, SigmasFrom from) {
   if (from == SigmasFrom::kCorners) return calibration.covariance;
@@ -25,7 +29,12 @@ const Covariance& covariance_of(const Calibration& calibration, SigmasFrom from)
   return *calibration.covariance_by_frame;
 }
 
-double ratio(double difference, double sigma) { return sigma > 0.0 ? std::abs(difference) / sigma : std::nan(""); }
+// Of what neither calibration leaves uncertain any difference is too much, but for rounding.
+double ratio(double difference, double sigma) {
+  constexpr double kRounding = 1e-9;
+  if (sigma > 0.0) return std::abs(difference) / sigma;
+  return std::abs(difference) > kRounding ? std::numeric_limits<double>::infinity() : std::nan("");
+}
 
 void compare_extrinsics(const RigCamera& a, const Covariance& of_a, const RigCamera& b, const Covariance& of_b,
                         std::vector<NormalizedDifference>& differences) {
@@ -54,17 +63,40 @@ NormalizedDifference beam_difference(const LaserBeam& a, const LaserBeam& b) {
   return result;
 }
 
+// Beams that look nearly at right angles to each other, or apart, have no motion between them.
+NormalizedDifference turned_beam(const LaserBeam& a, const LaserBeam& b) {
+  return {fmt::format("{},{}", a.row, a.column), (a.line.point - b.line.point).norm(), 0.0,
+          std::numeric_limits<double>::infinity()};
+}
+
 void compare_beams(const LaserPattern& a, const LaserPattern& b, CalibrationComparison& comparison) {
   if (a.grid.rows != b.grid.rows || a.grid.columns != b.grid.columns) {
-    comparison.remarks.push_back("the grids of beams differ in size, so that the beams were not compared");
+    comparison.not_compared.push_back("the grids of beams differ in size, so that the beams were not compared");
     return;
   }
   for (const LaserBeam& beam : a.beams) {
     const auto same = std::ranges::find_if(
         b.beams, [&](const LaserBeam& other) { return other.row == beam.row && other.column == beam.column; });
-    if (same != b.beams.end() && beam.line.direction.dot(same->line.direction) > 0.1) {
-      comparison.beams.push_back(beam_difference(beam, *same));
+    if (same == b.beams.end()) continue;
+    const bool turned = beam.line.direction.dot(same->line.direction) < kLeastCosine;
+    comparison.beams.push_back(turned ? turned_beam(beam, *same) : beam_difference(beam, *same));
+  }
+  const std::size_t both = comparison.beams.size(), most = std::max(a.beams.size(), b.beams.size());
+  if (both == a.beams.size() && both == b.beams.size()) return;
+  const std::string remark = fmt::format("of {} beams in the one and {} in the other calibration {} are in both",
+                                         a.beams.size(), b.beams.size(), both);
+  const bool few = static_cast<double>(both) < kLeastShareWithin * static_cast<double>(most);
+  (few ? comparison.not_compared : comparison.remarks).push_back(remark);
+}
+
+// What only one of two calibrations has.
+void tell_lonely(const Calibration& a, const Calibration& b, std::vector<std::string>& lonely) {
+  for (const auto& [one, other, which] : {std::tuple(&a, &b, "first"), std::tuple(&b, &a, "second")}) {
+    for (const RigCamera& camera : one->cameras) {
+      if (std::ranges::find(other->cameras, camera.name, &RigCamera::name) != other->cameras.end()) continue;
+      lonely.push_back(fmt::format("camera {} is in the {} calibration only", camera.name, which));
     }
+    if (one->laser && !other->laser) lonely.push_back(fmt::format("a laser is in the {} calibration only", which));
   }
 }
 
@@ -97,18 +129,16 @@ CalibrationComparison compare(const Calibration& a, const Calibration& b, const 
   const Covariance& of_b = covariance_of(b, options.sigmas_from);
   CalibrationComparison comparison;
   comparison.sigmas_from = options.sigmas_from;
+  tell_lonely(a, b, comparison.not_compared);
   const bool same_rig = a.cameras[0].name == b.cameras[0].name;
   if (!same_rig) {
-    comparison.remarks.push_back(fmt::format(
+    comparison.not_compared.push_back(fmt::format(
         "the first cameras, whose frames are the rig frames, are {} and {}: extrinsics and beams were not compared",
         a.cameras[0].name, b.cameras[0].name));
   }
   for (const RigCamera& camera : a.cameras) {
     const auto same = std::ranges::find(b.cameras, camera.name, &RigCamera::name);
-    if (same == b.cameras.end()) {
-      comparison.remarks.push_back("camera " + camera.name + " is in the first calibration only");
-      continue;
-    }
+    if (same == b.cameras.end()) continue;
     refuse_other_sizes(camera, *same);
     if (!camera.evidence || !same->evidence) {
       comparison.remarks.push_back(fmt::format(

@@ -113,7 +113,6 @@ std::optional<RenderedDot> dot_of(const GaussianBeam& beam, const SimulatedBoard
   RenderedDot dot;
   dot.on_board = on_board.has_value();
   const double facing = -normal.dot(beam.line.direction);
-  dot.incidence_cosine = std::abs(facing);
   if (on_board) {
     const double side = seen.side(place.head<2>());
     if (side * facing <= 0) return std::nullopt;  // the beam lights the other side

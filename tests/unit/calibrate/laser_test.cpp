@@ -63,6 +63,21 @@ TEST(CalibrateLaser, ExactDotsGiveTheExactBeams) {
   EXPECT_LT(errors.farthest_m, 1e-7);  // the dots state 0.1 px, of which a millionth is left
 }
 
+// A few labels say which beam is which, and leave the others to be found.
+TEST(CalibrateLaser, OneLabelledBeamLabelsAll) {
+  SyntheticWorld world = synthetic_world(laser_rig_options(30, 4));
+  const LaserTruth truth = add_laser(world, {.noise_px = 0, .seed = 4});
+  for (std::size_t v = 0; v < world.problem.views.size(); ++v) {
+    for (std::size_t i = 0; i < truth.beam_of_dot[v].size(); ++i) {
+      if (truth.beam_of_dot[v][i] == 60) world.problem.views[v].dots[i].beam = 60;
+    }
+  }
+  const CalibrationResult result = calibrate(world.problem);
+  ASSERT_TRUE(result.calibration.laser && result.laser);
+  EXPECT_GT(result.calibration.laser->beams.size(), 110u);
+  EXPECT_EQ(errors_of(truth, result).wrong_labels, 0);
+}
+
 // The scatter of the beams is what their covariance says; the mean over 121 beams that share one camera lies within 25
 // % for all but one seed in thousands.
 TEST(CalibrateLaser, NoisyDotsScatterAsTheirCovarianceSaysAndDragNothing) {

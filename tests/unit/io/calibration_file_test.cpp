@@ -119,6 +119,12 @@ TEST(CalibrationFile, RefusesToWriteWhatCannotBeReadBack) {
   file.summaries.pop_back();
   EXPECT_THAT(message_of([&] { text_from_calibration(file); }), HasSubstr("residual summaries for"));
   EXPECT_THAT(message_of([&] { text_from_calibration({}); }), HasSubstr("there is no camera"));
+  file = full_calibration();
+  file.calibration.cameras.push_back(file.calibration.cameras.front());
+  file.summaries.clear();
+  EXPECT_THAT(message_of([&] { text_from_calibration(file); }), HasSubstr("two cameras are called"));
+  file.calibration.cameras.back().name.clear();
+  EXPECT_THAT(message_of([&] { text_from_calibration(file); }), HasSubstr("no name"));
 }
 
 TEST(CalibrationFile, AShortQuaternionIsMended) {

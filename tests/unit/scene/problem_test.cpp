@@ -132,6 +132,7 @@ TEST(ProblemCheck, NamesTheDotThatIsWrong) {
               ::testing::HasSubstr("symmetric"));
   EXPECT_THAT(dotted([&](auto& problem) { first(problem).covariance_px2(1, 1) = -1; }),
               ::testing::HasSubstr("positive definite"));
+  EXPECT_THAT(dotted([&](auto& problem) { first(problem).brightness = -1; }), ::testing::HasSubstr("brightness"));
   EXPECT_THAT(dotted([&](auto& problem) { first(problem).beam = 12; }), ::testing::HasSubstr("3x4 beams"));
   EXPECT_THAT(dotted([&](auto& problem) { first(problem).beam = 6; }), ::testing::HasSubstr("row 1, column 2"));
 }

@@ -112,6 +112,25 @@ TEST(Comparison, NormalizesExtrinsicsAndBeams) {
   Eigen::Matrix2d offset_and_slope{{2.25e-8, -0.5e-8}, {-0.5e-8, 2e-8}};
   const double whitened = 4e-8 * offset_and_slope.inverse()(0, 0);
   EXPECT_NEAR(comparison.beams[0].sigmas, std::sqrt(whitened / 4.0), 1e-9);
+  EXPECT_TRUE(comparison.not_compared.empty());
+
+  b.laser->beams[0].line.direction = -Eigen::Vector3d::UnitZ();
+  EXPECT_EQ(compare(a, b).beams.at(0).sigmas, std::numeric_limits<double>::infinity());
+  b.laser->beams.clear();
+  EXPECT_THAT(compare(a, b).not_compared,
+              ::testing::ElementsAre(HasSubstr("of 1 beams in the one and 0 in the other")));
+  b.laser.reset();
+  EXPECT_THAT(compare(b, a).not_compared, ::testing::ElementsAre(HasSubstr("a laser is in the second")));
+}
+
+TEST(Comparison, WhatIsHeldMayNotDiffer) {
+  Calibration a = solved_from_truth(synthetic_world(stereo_options(1)));
+  a.covariance = {};
+  Calibration b = a;
+  b.cameras[1].camera_from_rig.translation.x() += 0.5;
+  const std::vector<NormalizedDifference> extrinsics = compare(a, b).extrinsics;
+  EXPECT_EQ(extrinsics.at(3).sigmas, std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(std::isnan(extrinsics.at(4).sigmas));
 }
 
 // A truth was not solved from corners: it is compared where those of the other calibration were.
@@ -136,7 +155,8 @@ TEST(Comparison, SaysWhatItCannotCompare) {
   const CalibrationComparison comparison = compare(a, b);
   EXPECT_EQ(comparison.projections.size(), 1u);
   EXPECT_TRUE(comparison.extrinsics.empty());
-  EXPECT_THAT(comparison.remarks, ::testing::Contains(HasSubstr("rig frames")));
+  EXPECT_THAT(comparison.not_compared, ::testing::Contains(HasSubstr("rig frames")));
+  EXPECT_THAT(comparison.not_compared, ::testing::Contains(HasSubstr("another is in the second calibration only")));
   b.cameras[1].camera.size.width += 1;
   EXPECT_THROW(compare(a, b), Error);
   b.cameras.pop_back();

@@ -47,7 +47,8 @@ struct NormalizedDifference {
   std::string name;
   double difference = 0.0;  ///< b minus a, in the parameter's unit; of several: the root of their summed squares
   double sigma = 0.0;       ///< root of both variances
-  double sigmas = 0.0;      ///< several: root of the mean squared whitened difference; NaN where neither is uncertain
+  /// Several: root of the mean squared whitened difference. Where neither is uncertain NaN if they agree, else infinite.
+  double sigmas = 0.0;
 };
 
 /// Two calibrations of the same cameras, side by side.
@@ -56,7 +57,9 @@ struct CalibrationComparison {
   std::vector<ProjectionDifference> projections;  ///< camera by camera, range by range
   std::vector<NormalizedDifference> extrinsics;   ///< six of each camera after the first: camera_from_rig
   std::vector<NormalizedDifference> beams;        ///< `row,column` of those that both have
-  std::vector<std::string> remarks;               ///< what could not be compared, or only in part, in words
+  /// In words: cameras, the laser, or more than a few of its beams, that only one has; rigs and grids that differ.
+  std::vector<std::string> not_compared;
+  std::vector<std::string> remarks;  ///< what was compared in part, in words
 
   bool agrees() const;  ///< all projections do
 };

@@ -30,9 +30,8 @@ struct RenderedDot {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< of the place where the beam's axis meets the surface
   bool on_board = true;                             ///< else on what is behind the board
   bool on_ink = false;
-  double incidence_cosine = 0.0;  ///< between the beam and the surface's normal: small at grazing angles
-  double peak_grey = 0.0;         ///< light of the laser in that pixel without noise and speckle, in grey values
-  double under_grey = 0.0;        ///< grey value of that pixel without laser and noise
+  double peak_grey = 0.0;   ///< light of the laser in that pixel without noise and speckle, in grey values
+  double under_grey = 0.0;  ///< grey value of that pixel without laser and noise
 };
 
 /// An image pair of one board pose, and the truth about it.
