@@ -26,6 +26,7 @@ using Information = Eigen::Matrix<double, 6, 6>;
 constexpr double kStartThreshold_rad = 0.02;  // of the first pose: a mistaken landmark is off by more
 constexpr double kOutlierSigmas = 4.0;
 constexpr int kMostIterations = 50;
+constexpr int kMostRounds = 10;  // until the landmarks that are left out stay the same
 
 struct Pair {
   const Landmark* landmark;
@@ -185,6 +186,37 @@ LandmarkResidual residual_of(const Camera& camera, const Rigid3& pose, const Pai
   return result;
 }
 
+// At first those that the start pose puts near to where they are seen; all when these are few, as where directions that
+// are wrong have turned it.
+void choose_near(const Camera& camera, const Rigid3& pose, std::vector<Pair>& pairs) {
+  for (Pair& pair : pairs) {
+    const auto ray = ray_from_pixel(camera, pair.pixel);
+    const Eigen::Vector3d expected = in_camera(pose, *pair.landmark).normalized();
+    pair.used = ray && (ray->normalized() - expected).norm() < kStartThreshold_rad;
+  }
+  const auto near = std::ranges::count(pairs, true, &Pair::used);
+  if (near >= 4 && 2 * near >= std::ssize(pairs)) return;
+  for (Pair& pair : pairs) pair.used = true;
+}
+
+// Those that fit, but not fewer than three quarters, the best ones; whether that changes anything.
+bool choose_fitting(const std::vector<LandmarkResidual>& landmarks, std::vector<Pair>& pairs) {
+  std::vector<double> sigmas;
+  for (const LandmarkResidual& landmark : landmarks) {
+    sigmas.push_back(std::isnan(landmark.sigmas) ? INFINITY : landmark.sigmas);
+  }
+  std::vector<double> sorted = sigmas;
+  std::ranges::sort(sorted);
+  const double limit = std::max(kOutlierSigmas, sorted[sorted.size() - 1 - sorted.size() / 4]);
+  bool changed = false;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const bool fits = sigmas[i] <= limit;
+    changed = changed || fits != pairs[i].used;
+    pairs[i].used = fits;
+  }
+  return changed;
+}
+
 SurveyImage image_of(const Camera& camera, const std::string& image, std::vector<Pair> pairs, double sigma_px,
                      const std::optional<ProjectionUncertainty>& uncertainty) {
   const Rigid3 start = start_pose(camera, pairs, image);
@@ -196,7 +228,7 @@ SurveyImage image_of(const Camera& camera, const std::string& image, std::vector
     const auto covariance = uncertainty ? projection_covariance(*uncertainty, pairs[i].pixel, range_m) : std::nullopt;
     if (covariance) pairs[i].of_calibration = *covariance;
   }
-  Refined refined = refine(camera, pairs, sigma_px, {{start.rotation, Eigen::Vector3d::Zero()}, {}});
+  Refined refined{{start.rotation, Eigen::Vector3d::Zero()}, {}};
   SurveyImage result;
   const auto judge = [&] {
     result.landmarks.clear();
@@ -204,17 +236,14 @@ SurveyImage image_of(const Camera& camera, const std::string& image, std::vector
       result.landmarks.push_back(residual_of(camera, refined.pose, pair, sigma_px));
     }
   };
-  judge();
-  // The worst one first: it may be what makes others look bad.
-  for (std::size_t left_out = 0; 4 * (left_out + 1) <= pairs.size(); ++left_out) {
-    const auto worst = std::ranges::max_element(result.landmarks, {}, [](const LandmarkResidual& l) {
-      return l.used ? (std::isnan(l.sigmas) ? INFINITY : l.sigmas) : 0.0;
-    });
-    if (worst->sigmas <= kOutlierSigmas) break;
-    pairs[static_cast<std::size_t>(worst - result.landmarks.begin())].used = false;
+  // One that is far off would draw the pose along, and make others look bad: which are left out is asked anew each time.
+  choose_near(camera, refined.pose, pairs);
+  for (int round = 0; round < kMostRounds; ++round) {
     refined = refine(camera, pairs, sigma_px, refined);
     judge();
+    if (!choose_fitting(result.landmarks, pairs)) break;
   }
+  judge();
   const auto unseen = [](const LandmarkResidual& l) { return l.used && std::isnan(l.sigmas); };
   if (std::ranges::any_of(result.landmarks, unseen)) refuse_image(image);
   result.image = image;
@@ -251,7 +280,7 @@ void sum_up(SurveyImage& image) {
   image.variance_factor = freedom > 0 ? whitened / freedom : std::numeric_limits<double>::quiet_NaN();
 }
 
-std::vector<SurveyImage> check_survey(const Calibration& calibration, const RigCamera& camera, const Survey& survey) {
+PlacedImages check_survey(const Calibration& calibration, const RigCamera& camera, const Survey& survey) {
   std::optional<ProjectionUncertainty> uncertainty;
   if (camera.evidence) uncertainty = projection_uncertainty(camera, calibration.covariance);
   std::map<std::string, std::vector<Pair>> images;
@@ -268,12 +297,18 @@ std::vector<SurveyImage> check_survey(const Calibration& calibration, const RigC
   if (images.empty()) {
     throw Error(ErrorKind::kNotEnoughData, "none of the sightings is by camera " + camera.name + "; name another");
   }
-  std::vector<SurveyImage> results;
+  PlacedImages placed;
   for (const auto& [image, pairs] : images) {
-    results.push_back(image_of(camera.camera, image, pairs, survey.sighting_sigma_px, uncertainty));
-    results.back().camera = camera.name;
+    try {
+      placed.images.push_back(image_of(camera.camera, image, pairs, survey.sighting_sigma_px, uncertainty));
+      placed.images.back().camera = camera.name;
+    } catch (const Error& error) {
+      const bool nothing_else = placed.images.empty() && placed.not_placed.size() + 1 == images.size();
+      if (error.kind() != ErrorKind::kNotEnoughData || nothing_else) throw;
+      placed.not_placed.emplace_back(error.what());
+    }
   }
-  return results;
+  return placed;
 }
 
 }  // namespace raybundle

@@ -16,6 +16,8 @@
 namespace raybundle {
 namespace {
 
+constexpr double kGrossShare = 0.1;  // of the image's longer side: no lens that a few boards have shown is off by more
+
 /// The rig as a calibration by which images can be placed.
 Calibration calibration_of(const CalibrationProblem& problem, const BundleState& state, const Covariance& known) {
   Calibration calibration;
@@ -48,7 +50,7 @@ std::vector<SurveyImage> place_images(const Calibration& calibration, const Surv
     std::ranges::sort(sightings, {}, &Sighting::landmark);  // the bits do not depend on the order of the table
     part.sightings = std::move(sightings);
     try {
-      images.push_back(check_survey(calibration, *found, part).front());
+      images.push_back(check_survey(calibration, *found, part).images.front());
     } catch (const Error& error) {
       not_placed.push_back("the landmarks in " + image + " are left out: " + error.what());
     }
@@ -106,7 +108,12 @@ Rigid3 add_frame(const std::vector<const SurveyImage*>& images, const Survey& su
   }
   for (const SurveyImage* image : images) {
     TargetView view{camera_of(*image), frame, target_index, {}, image->image, {}};
+    std::vector<ObservationFate> fates;
     for (const LandmarkResidual& seen : image->landmarks) {
+      // What is off as the lens is known now may fit when it is known better, but not from anywhere.
+      const ImageSize size = problem.cameras[view.camera].size;
+      const bool gross = seen.residual_px.norm() > kGrossShare * std::max(size.width, size.height);
+      fates.push_back(gross ? ObservationFate::kOutlier : ObservationFate::kUsed);
       const SeenLandmark& landmark = landmarks.at(seen.landmark);
       const double sighting_variance = std::pow(survey.sighting_sigma_px, 2);
       const double of_landmark = std::pow(seen.own_sigma_px, 2) - sighting_variance;
@@ -114,7 +121,7 @@ Rigid3 add_frame(const std::vector<const SurveyImage*>& images, const Survey& su
       view.observations.push_back({seen.pixel, std::sqrt(variance), landmark.index});
     }
     problem.views.push_back(std::move(view));
-    state.fates.emplace_back();  // what is far off as the lens is known now may fit when it is known better
+    state.fates.push_back(std::move(fates));
     state.pose_of_view.push_back(static_cast<int>(state.poses.size()));
   }
   state.poses.push_back({frame, target_index, Rigid3{}});
@@ -123,7 +130,8 @@ Rigid3 add_frame(const std::vector<const SurveyImage*>& images, const Survey& su
   return rig_from_local;
 }
 
-/// Whether a view's sightings hold its pose: four points do, or two directions and no point.
+/// Whether a view's sightings hold its pose: four points do, or two directions and no point. Fewer than half of them
+/// agree by chance.
 bool hold_a_pose(const CalibrationProblem& problem, const TargetView& view, const std::vector<ObservationFate>& fates) {
   int points = 0, directions = 0;
   for (std::size_t i = 0; i < fates.size(); ++i) {
@@ -131,7 +139,32 @@ bool hold_a_pose(const CalibrationProblem& problem, const TargetView& view, cons
     const bool far = problem.targets[view.target].find(view.observations[i].point_id)->infinitely_far;
     ++(far ? directions : points);
   }
-  return points >= 4 || (points == 0 && directions >= 2);
+  const bool most = 2 * (points + directions) >= static_cast<int>(fates.size());
+  return most && (points >= 4 || (points == 0 && directions >= 2));
+}
+
+/// Whether the lens reaches a landmark. Its polynomials go on beyond where it ends, and would be bent to fit what lies
+/// behind the camera.
+bool is_in_sight(const CalibrationProblem& problem, const BundleState& state, int view, std::size_t sighting) {
+  const TargetView& seen = problem.views[view];
+  const Rigid3 from_target = camera_from_target(problem, state, view);
+  const TargetPoint& point = *problem.targets[seen.target].find(seen.observations[sighting].point_id);
+  const Eigen::Vector3d x = point.infinitely_far ? Eigen::Vector3d(from_target.rotation * point.x_in_target)
+                                                 : from_target * point.x_in_target;
+  return pixel_from_ray(state.cameras[seen.camera], x).has_value();
+}
+
+/// Leaves out what the solve has fitted beyond the lens's end; whether there is any.
+bool leave_out_of_sight(const CalibrationProblem& problem, std::size_t first_view, BundleState& state) {
+  bool any = false;
+  for (std::size_t v = first_view; v < problem.views.size(); ++v) {
+    for (std::size_t i = 0; i < state.fates[v].size(); ++i) {
+      if (state.fates[v][i] != ObservationFate::kUsed || is_in_sight(problem, state, static_cast<int>(v), i)) continue;
+      state.fates[v][i] = ObservationFate::kOutlier;
+      any = true;
+    }
+  }
+  return any;
 }
 
 /// Marks sightings that are off by more than the limit, and sets images aside that keep too few. False when no mark
@@ -169,7 +202,8 @@ BundleSummary solve_all(const CalibrationProblem& problem, const std::vector<Sur
   robust.robust_scale_sigma = options.robust_scale_sigma;
   BundleSummary summary = solve_bundle(problem, state, robust);
   for (int round = 0; round < kMaxRounds && summary.termination != Termination::kFailed; ++round) {
-    if (!mark_outliers(problem, placed, state) && round > 0) break;
+    const bool changed = mark_outliers(problem, placed, state);
+    if (!leave_out_of_sight(problem, problem.views.size() - placed.size(), state) && !changed && round > 0) break;
     summary = solve_bundle(problem, state, plain);
   }
   return summary;

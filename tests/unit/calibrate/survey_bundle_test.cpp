@@ -190,6 +190,26 @@ TEST(SurveyInTheBundle, AWrongSightingAndAnImageThatCannotBePlacedCostNothing) {
   EXPECT_LT(drag_sigmas(result.survey->parameters), 4.0);
 }
 
+// The polynomials of a lens go on behind the camera, and one landmark there would bend it.
+TEST(SurveyInTheBundle, ALandmarkBehindTheCameraDoesNotBendTheLens) {
+  SyntheticWorld world = synthetic_world(narrow_boards(0.2, 5));
+  Survey survey = survey_of(world, {.noise_px = 0.3});
+  world.problem.survey = survey;
+  const Camera without = calibrate(world.problem).calibration.cameras[0].camera;
+  for (const std::size_t i : {0u, 3u, 6u}) {
+    world.problem.survey = survey;
+    Landmark& landmark =
+        *std::ranges::find(world.problem.survey->landmarks, survey.sightings[i].landmark, &Landmark::name);
+    landmark.x_in_local = 2.0 * Eigen::Vector3d(1200, -4900, 15) - landmark.x_in_local;
+    const CalibrationResult result = calibrate(world.problem);
+    for (const LandmarkResidual& seen : result.survey->images.at(0).landmarks) {
+      EXPECT_EQ(seen.used, seen.landmark != landmark.name) << seen.landmark;
+    }
+    const double sigma = result.calibration.covariance.sigma(world.problem.cameras[0].name + ".k4");
+    EXPECT_NEAR(result.calibration.cameras[0].camera.parameters[7], without.parameters[7], 2.0 * sigma) << i;
+  }
+}
+
 // The camera that knows where the rig is starts it, although the other one sees more.
 TEST(SurveyInTheBundle, StarsOfOneCameraAndTowersOfTheOther) {
   SyntheticWorld world = synthetic_world(stereo(0.0, 1));

@@ -63,7 +63,8 @@ TEST(Survey, ExactSightingsGiveTheExactPose) {
   const Calibration calibration = calibration_of(-0.01);
   const auto surveyed = landmarks(12, 0.05);
   const auto images =
-      check_survey(calibration, calibration.cameras[0], {surveyed, sightings(calibration, surveyed, 0.0, 1), 0.5});
+      check_survey(calibration, calibration.cameras[0], {surveyed, sightings(calibration, surveyed, 0.0, 1), 0.5})
+          .images;
   ASSERT_EQ(images.size(), 1u);
   EXPECT_LT(angle_between(images[0].camera_from_local, camera_from_local()), 1e-9);
   EXPECT_LT((images[0].camera_from_local.inverse().translation - Eigen::Vector3d(1234, -4321, 12)).norm(), 1e-4);
@@ -78,7 +79,7 @@ TEST(Survey, DirectionsGiveTheRotation) {
         {"s" + std::to_string(i), Eigen::Vector3d(0.3 * i - 0.6, 1.0, 0.1 * (i % 3)).normalized(), true, 1e-5});
   }
   const auto images =
-      check_survey(calibration, calibration.cameras[0], {stars, sightings(calibration, stars, 0.0, 1), 0.5});
+      check_survey(calibration, calibration.cameras[0], {stars, sightings(calibration, stars, 0.0, 1), 0.5}).images;
   EXPECT_LT(images.at(0).camera_from_local.rotation.angularDistance(camera_from_local().rotation), 1e-9);
   EXPECT_TRUE(std::isnan(images[0].pose_sigma[3]));
 }
@@ -90,7 +91,7 @@ TEST(Survey, ResidualsAreAsTheSigmasSay) {
   double sum = 0.0;
   for (unsigned seed = 1; seed <= 100; ++seed) {
     const auto seen = sightings(calibration, surveyed, 0.5, seed);
-    sum += check_survey(calibration, calibration.cameras[0], {surveyed, seen, 0.5}).at(0).variance_factor;
+    sum += check_survey(calibration, calibration.cameras[0], {surveyed, seen, 0.5}).images.at(0).variance_factor;
   }
   EXPECT_NEAR(sum / 100, 1.0, 0.1);  // three standard deviations of that mean
 }
@@ -100,12 +101,43 @@ TEST(Survey, AMistakenLandmarkIsLeftOutAndAWrongLensIsSeen) {
   const auto surveyed = landmarks(14, 0.05);
   auto seen = sightings(calibration, surveyed, 0.3, 5);
   seen[4].pixel += Eigen::Vector2d(15, -9);
-  const SurveyImage right = check_survey(calibration, calibration.cameras[0], {surveyed, seen, 0.3}).at(0);
+  const SurveyImage right = check_survey(calibration, calibration.cameras[0], {surveyed, seen, 0.3}).images.at(0);
   EXPECT_FALSE(right.landmarks[4].used);
   EXPECT_EQ(std::ranges::count(right.landmarks, true, &LandmarkResidual::used), std::ssize(seen) - 1);
   EXPECT_LT(right.variance_factor, 2.0);
   const Calibration wrong = calibration_of(-0.03);
-  EXPECT_GT(check_survey(wrong, wrong.cameras[0], {surveyed, seen, 0.3}).at(0).variance_factor, 4.0);
+  EXPECT_GT(check_survey(wrong, wrong.cameras[0], {surveyed, seen, 0.3}).images.at(0).variance_factor, 4.0);
+}
+
+// Wherever one landmark is said to be, the others place the camera as they do without it.
+TEST(Survey, NoSingleLandmarkDrawsThePoseAlong) {
+  const Calibration calibration = calibration_of(-0.01);
+  const auto surveyed = landmarks(14, 0.05);
+  const auto seen = sightings(calibration, surveyed, 0.3, 5);
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    auto mistaken = surveyed;
+    Landmark& landmark = *std::ranges::find(mistaken, seen[i].landmark, &Landmark::name);
+    const Eigen::Vector3d centre = camera_from_local().inverse().translation;
+    landmark.x_in_local = 2.0 * centre - landmark.x_in_local;  // behind the camera
+    const SurveyImage image = check_survey(calibration, calibration.cameras[0], {mistaken, seen, 0.3}).images.at(0);
+    EXPECT_EQ(std::ranges::count(image.landmarks, true, &LandmarkResidual::used), std::ssize(seen) - 1) << i;
+    EXPECT_LT(image.variance_factor, 2.0) << i;
+    EXPECT_LT((image.camera_from_local.inverse().translation - centre).norm(), 0.5) << i;
+  }
+}
+
+TEST(Survey, AnImageThatCannotBePlacedCostsTheOthersNothing) {
+  const Calibration calibration = calibration_of(-0.01);
+  const auto surveyed = landmarks(12, 0.05);
+  auto seen = sightings(calibration, surveyed, 0.0, 1);
+  for (int i = 0; i < 2; ++i) {
+    seen.push_back(seen[static_cast<std::size_t>(i)]);
+    seen.back().image = "0.png";  // before the other one
+  }
+  const PlacedImages placed = check_survey(calibration, calibration.cameras[0], {surveyed, seen, 0.5});
+  EXPECT_EQ(placed.images.size(), 1u);
+  ASSERT_EQ(placed.not_placed.size(), 1u);
+  EXPECT_NE(placed.not_placed[0].find("0.png"), std::string::npos);
 }
 
 TEST(Survey, TooFewLandmarksAreRefused) {

@@ -2,12 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "raybundle/scene/calibration.hpp"
 #include "raybundle/scene/survey.hpp"
 
 namespace raybundle {
+
+/// Images of a survey, placed one by one: one that cannot be costs the others nothing.
+struct PlacedImages {
+  std::vector<SurveyImage> images;
+  std::vector<std::string> not_placed;  ///< why, a sentence for each of the others
+};
 
 /// Places a calibrated camera by surveyed landmarks, image by image, and tells how far off they are: a test of the
 /// calibration in the far field, where no board goes.
@@ -17,7 +24,8 @@ namespace raybundle {
 ///
 /// @param survey  its sightings by other cameras are passed over
 /// @throws Error(kBadInput) naming a sighting outside of the image
-/// @throws Error(kNotEnoughData) naming the image that shows too few landmarks or a camera that cannot see them
-std::vector<SurveyImage> check_survey(const Calibration& calibration, const RigCamera& camera, const Survey& survey);
+/// @throws Error(kNotEnoughData) when no image can be placed: naming the first one, which shows too few landmarks or
+///         where no camera could see them
+PlacedImages check_survey(const Calibration& calibration, const RigCamera& camera, const Survey& survey);
 
 }  // namespace raybundle
