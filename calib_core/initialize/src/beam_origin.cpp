@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "beam_origin.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -197,11 +199,8 @@ std::string beam_words(const LaserGrid& grid, int beam) {
   return "row " + std::to_string(grid.row(beam)) + ", column " + std::to_string(grid.column(beam));
 }
 
-void transpose(Places& places) {
-  for (auto& place : places) {
-    if (place) std::swap(place->row, place->column);
-  }
-}
+// Columns down the image and rows to its left: a turn, where exchanging them would mirror the grid.
+LatticePlace quarter_turned(const LatticePlace& place) { return {-place.column, place.row}; }
 
 }  // namespace
 
@@ -212,10 +211,14 @@ BeamOrigin beam_origin(const LaserScene& scene, const std::vector<BeamHit>& hits
   Places places = given_places;
   Extent rows = extent_of(places, &LatticePlace::row);
   Extent columns = extent_of(places, &LatticePlace::column);
-  if (rows.count() <= laser.grid.columns && columns.count() <= laser.grid.rows &&
-      (rows.count() > laser.grid.rows || columns.count() > laser.grid.columns)) {
-    transpose(places);  // the projector is turned by more than 45 degrees
-    std::swap(rows, columns);
+  const bool turned = rows.count() <= laser.grid.columns && columns.count() <= laser.grid.rows &&
+                      (rows.count() > laser.grid.rows || columns.count() > laser.grid.columns);
+  if (turned) {
+    for (auto& place : places) {
+      if (place) place = quarter_turned(*place);
+    }
+    rows = extent_of(places, &LatticePlace::row);
+    columns = extent_of(places, &LatticePlace::column);
   }
   std::vector<Shift> shifts = shifts_into(laser.grid, rows, columns);
   if (shifts.empty()) {
@@ -244,7 +247,7 @@ BeamOrigin beam_origin(const LaserScene& scene, const std::vector<BeamHit>& hits
   }
   if (laser.anchor) {
     const LatticePlace& place = place_of_anchor(scene, lines, given_places);
-    const LatticePlace anchored = places == given_places ? place : LatticePlace{place.column, place.row};
+    const LatticePlace anchored = turned ? quarter_turned(place) : place;
     keep("the anchor", [&](Shift shift) { return beam_at(laser.grid, anchored, shift) == laser.anchor->beam; });
   }
   if (laser.brightest && shifts.size() > 1) {
@@ -271,6 +274,12 @@ BeamOrigin beam_origin(const LaserScene& scene, const std::vector<BeamHit>& hits
                     " were seen, taken for the middle ones; " +
                     (laser.brightest ? "give an anchor, or name a missing beam"
                                      : "name the brightest or a missing beam, or give an anchor");
+  }
+  if (turned) {
+    origin.reason += fmt::format(
+        "; the dots have more rows than the {}x{} beams, whose columns are taken to run down the image: a projector "
+        "that is turned by a quarter, or is it {}x{}",
+        laser.grid.columns, laser.grid.rows, laser.grid.rows, laser.grid.columns);
   }
   const Shift shift = shifts[shifts.size() / 2];
   for (std::size_t l = 0; l < lines.size(); ++l) {

@@ -110,6 +110,16 @@ TEST_P(FewViews, LabelMostDotsAndNoneWrong) {
 INSTANTIATE_TEST_SUITE_P(BeamGrids, FewViews,
                          ::testing::Combine(::testing::Values(11, 19), ::testing::Values(1U, 2U, 3U, 4U, 5U, 6U)));
 
+// Columns run down the image then. Rows and columns are not just exchanged, which would mirror the grid.
+TEST(BeamStart, AProjectorMayBeTurnedByAQuarter) {
+  SyntheticWorld world = testing::synthetic_world(laser_rig_options(40, 1));
+  const LaserTruth truth = add_laser(world, {.grid = {.rows = 16, .columns = 19}, .turn_rad = M_PI / 2});
+  const BeamStart start = initialize_beams(true_scene(world));
+  EXPECT_EQ(score(start, truth).wrong, 0);
+  EXPECT_GE(score(start, truth).right, 100 * score(start, truth).missing);
+  EXPECT_NE(start.origin.find("or is it 16x19"), std::string::npos) << start.origin;
+}
+
 TEST(BeamStart, RefusesAGridSmallerThanTheOneSeen) {
   SyntheticWorld world = testing::synthetic_world(laser_rig_options(40, 1));
   add_laser(world, {});
