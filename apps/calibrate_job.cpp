@@ -67,7 +67,7 @@ CalibrateOptions merged_options(CalibrateOptions options, const CalibrateJob& jo
               }
             });
       });
-  check_options(options, "the command line");
+  check(options, "the command line");
   return options;
 }
 

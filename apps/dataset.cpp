@@ -150,7 +150,7 @@ void read_options(const toml::table& table, const std::string& file, CalibrateOp
     if (const std::optional<T> found = reader.value<T>(name, kWhat)) value = *found;
   });
   reader.refuse_unknown_keys();
-  check_options(options, fmt::format("{}:{}", file, table.source().begin.line));
+  check(options, fmt::format("{}:{}", file, table.source().begin.line));
 }
 
 double number(const std::string& text, const std::string& flag) {
@@ -175,21 +175,6 @@ std::string toml_hint(const std::string& text, std::string_view problem) {
 }
 
 }  // namespace
-
-void check_options(const CalibrateOptions& options, const std::string& where) {
-  CalibrateOptions::for_each_option(
-      options, [&]<typename T>(std::string_view name, const char*, const char*, const T& value) {
-        if constexpr (!std::is_same_v<T, bool>) {
-          if (value > 0 && std::isfinite(static_cast<double>(value)) && (name != "threads" || value <= kMostThreads)) {
-            return;
-          }
-          throw Error(ErrorKind::kBadInput,
-                      name == "threads" ? fmt::format("threads is {}, but must be 1 to {}", value, kMostThreads)
-                                        : fmt::format("{} is {}, but must be a positive number", name, value),
-                      where);
-        }
-      });
-}
 
 ModelId model_from_name(const std::string& name, const std::string& where) {
   if (const std::optional<ModelId> model = model_named(name)) return *model;

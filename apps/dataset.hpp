@@ -12,8 +12,6 @@
 
 namespace raybundle::apps {
 
-constexpr int kMostThreads = 256;
-
 /// A board of a data set; the name tells several boards apart.
 struct DatasetBoard {
   std::string name;
@@ -72,11 +70,6 @@ ParameterRule rule_from_flag(ParameterRule::Kind kind, const std::string& flag);
 
 /// The anchor of `--anchor CAMERA/FRAME:U,V=ROW,COLUMN`.
 DatasetAnchor anchor_from_flag(const std::string& flag);
-
-/// Refuses options that are not positive finite numbers, or too many threads.
-///
-/// @param where  file and line, or the command line
-void check_options(const CalibrateOptions& options, const std::string& where);
 
 /// The id of a model by name. Throws Error(kBadInput) with "did you mean".
 ModelId model_from_name(const std::string& name, const std::string& where);

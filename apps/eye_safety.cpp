@@ -145,9 +145,9 @@ void add_eye_safety_verb(CLI::App& app) {
   verb->add_option("--edition", flags->edition, "of the standard: they differ")
       ->required()
       ->check(CLI::IsMember(editions));
-  verb->add_option("--wavelength", flags->drive.wavelength_nm, "[nm]")->capture_default_str();
-  verb->add_option("--pulse", flags->pulse_us, "length of a pulse [µs]")->capture_default_str();
-  verb->add_option("--rate", flags->drive.rate_Hz, "pulses in a second [Hz]")->capture_default_str();
+  verb->add_option("--wavelength", flags->drive.wavelength_nm, "[nm]")->check(above_zero)->capture_default_str();
+  verb->add_option("--pulse", flags->pulse_us, "length of a pulse [µs]")->check(above_zero)->capture_default_str();
+  verb->add_option("--rate", flags->drive.rate_Hz, "pulses in a second [Hz]")->check(above_zero)->capture_default_str();
   verb->add_option("--source", flags->drive.source_mrad, "apparent size of the source [mrad]")->capture_default_str();
   CLI::Option* beams = verb->add_option("--beams", flags->beams, "that the laser is split into");
   beams->check(CLI::Range(1, 1 << 20))->capture_default_str();

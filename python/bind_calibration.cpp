@@ -10,6 +10,7 @@
 #include "bindings.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
+#include "raybundle/scene/suggestion.hpp"
 #include "raybundle/uncertainty/projection_uncertainty.hpp"
 
 namespace raybundle::python {
@@ -42,6 +43,16 @@ Eigen::VectorXd projection_sigma(const Calibration& calibration, const std::stri
   return sigmas;
 }
 
+// What was held has no sigma, and what is misspelt has none either: neither is perfectly known.
+void require_names(const Covariance& covariance, const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    if (std::ranges::find(covariance.names, name) != covariance.names.end()) continue;
+    throw Error(ErrorKind::kBadInput, "'" + name +
+                                          "' is not among the names of this covariance: it was not estimated." +
+                                          did_you_mean(name, covariance.names));
+  }
+}
+
 void bind_parts(py::module_& module) {
   py::class_<RigCamera>(module, "RigCamera", "A camera in its place on the rig.")
       .def(py::init([](const std::string& name, const Camera& camera, const Eigen::Matrix4d& camera_from_rig) {
@@ -57,8 +68,20 @@ void bind_parts(py::module_& module) {
   py::class_<Covariance>(module, "Covariance", "Joint covariance of named parameters, as left.fx.")
       .def_readonly("names", &Covariance::names)
       .def_readonly("matrix", &Covariance::matrix)
-      .def("sigma", &Covariance::sigma, py::arg("name"), "Standard deviation; 0 for what was not estimated.")
-      .def("block", &Covariance::block, py::arg("names"), "The part of the matrix for some names.");
+      .def(
+          "sigma",
+          [](const Covariance& covariance, const std::string& name) {
+            require_names(covariance, {name});
+            return covariance.sigma(name);
+          },
+          py::arg("name"), "Standard deviation of one of the names.")
+      .def(
+          "block",
+          [](const Covariance& covariance, const std::vector<std::string>& names) {
+            require_names(covariance, names);
+            return covariance.block(names);
+          },
+          py::arg("names"), "The part of the matrix for some of the names.");
 
   py::class_<LaserBeam>(module, "LaserBeam", "One beam of a dot projector: a line in the rig's frame.")
       .def_readonly("row", &LaserBeam::row)

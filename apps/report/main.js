@@ -7,6 +7,7 @@ import { count, counted, el, px, section } from "./dom.js";
 import { comparisonSection } from "./comparison.js";
 import { histogramFigure, radialFigure, viewBarsFigure } from "./graphs.js";
 import { coverageFigure, meanResidualFigure, residualFigure } from "./image_figures.js";
+import { laserSection } from "./laser.js";
 import { cameraModel } from "./model.js";
 import { straightFigures } from "./pictures.js";
 import { followPrinterAndScheme, tip } from "./plot.js";
@@ -51,7 +52,7 @@ function drawPage(report) {
   };
   const warnings = warningsSection(report);
   const sections = [verdictSection(report), warnings, nextViewsSection(report, cameras), camerasSection(cameras, report),
-    ...cameras.map((camera) => cameraSection(camera, report)), rigSection(report, cameras, chooseFrame), boardsSection(report), surveySection(report), comparisonSection(report, cameras),
+    ...cameras.map((camera) => cameraSection(camera, report)), rigSection(report, cameras, chooseFrame), boardsSection(report), laserSection(report), surveySection(report), comparisonSection(report, cameras),
     setAsideSection(report), runSection(report)].filter(Boolean);
   const version = report.provenance.versions.find(({ name }) => name === "raybundle");
   document.title = `Calibration of ${names}`;

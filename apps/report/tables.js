@@ -8,11 +8,16 @@ import { largerSigma } from "./model.js";
 import { rectifiedFigures } from "./pictures.js";
 import { rigFigure } from "./space.js";
 
-export function warningsSection(report) {
+/** Sentences. */
+export function warningsOf(report) {
   const ended = { iteration_limit: "The solve stopped at its limit of iterations before it converged.",
     failed: "The solve failed: do not use this calibration." }[report.termination];
   const missing = report.cameras.filter((camera) => !camera.parameters).map((camera) => `Camera ${camera.name} was not calibrated.`);
-  const sentences = [ended, ...missing, ...report.warnings].filter(Boolean);
+  return [ended, ...missing, ...report.warnings].filter(Boolean);
+}
+
+export function warningsSection(report) {
+  const sentences = warningsOf(report);
   if (!sentences.length) return null;
   const node = section("warnings", sentences.length === 1 ? "One warning" : `${sentences.length} warnings`,
     el("ul", {}, sentences.map((sentence) => el("li", {}, sentence))));
@@ -106,6 +111,15 @@ export function boardsSection(report) {
     narrowTable([["board", ""], ["points", "number"], ["bend along x mm", "number"], ["bend along y mm", "number"], ["twist mm", "number"]], rows, "Boards"),
     el("div", { class: "figures" }, report.targets.map(boardFigure)),
     el("p", { class: "muted" }, "Bend: how far the middle stands off the plane through the edges; twist: how far the corners do."));
+}
+
+/** What other measurements moved most, in the sigmas that the boards alone left. */
+export function movedTable(parameters, withOthers) {
+  const moved = (each) => (each.sigma_without > 0 ? Math.abs(each.with - each.without) / each.sigma_without : 0);
+  const most = [...parameters].sort((a, b) => moved(b) - moved(a)).slice(0, 8);
+  const rows = most.map((each) => [el("code", {}, each.name), ...withSigma(each.without, each.sigma_without), fixed(each.with, 6), fixed(moved(each), 1)]);
+  return table([["parameter", ""], ["boards alone", "number"], ["sigma", "number"], [withOthers, "number"], ["sigmas moved", "number"]], rows,
+    "What they moved");
 }
 
 export function setAsideSection(report) {

@@ -6,30 +6,10 @@ import { el, px } from "./dom.js";
 import { imageFrame } from "./image_figures.js";
 import { quantile } from "./model.js";
 import { color, figure, plot } from "./plot.js";
-
-const ramp = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];  // viridis, which print and all eyes keep in order
-
-function rampColor(part) {
-  const at = Math.max(0, Math.min(1, part)) * (ramp.length - 1), i = Math.min(ramp.length - 2, Math.floor(at));
-  return `rgb(${ramp[i].map((low, k) => Math.round(low + (at - i) * (ramp[i + 1][k] - low))).join(",")})`;
-}
+import { ramp, rampColor } from "./ramp.js";
 
 function rangeText(range) {
   return range === null ? "infinity" : `${range} m`;
-}
-
-function legend(context, low, high, width, top) {
-  const left = 4, right = width - 4;
-  for (let x = left; x < right; ++x) {
-    context.fillStyle = rampColor((x - left) / (right - left));
-    context.fillRect(x, top, 1.5, 8);
-  }
-  context.fillStyle = color("muted");
-  context.textBaseline = "top";
-  context.textAlign = "left";
-  context.fillText(`${px(low)} px`, left, top + 11);
-  context.textAlign = "right";
-  context.fillText(`${px(high)} px or more`, right, top + 11);
 }
 
 /** Null when the report has no maps of the camera. */
@@ -51,7 +31,7 @@ export function uncertaintyFigure(camera, report) {
     })).filter(Boolean);
     hatchUnseen(context, camera, width, tall);
     imageFrame(context, camera, width, tall);
-    legend(context, low, high, width, tall + 6);
+    ramp(context, `${px(low)} px`, `${px(high)} px or more`, width, tall + 6);
     return marks;
   };
   const item = plot({ aspect, label: `Uncertainty of projections of ${camera.name}: ${px(low)} px at best, 90 % below ${px(high)} px`, draw });

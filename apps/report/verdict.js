@@ -5,6 +5,7 @@
 import { counted, el, fixed, px, section, sentence } from "./dom.js";
 import { imageFrame } from "./image_figures.js";
 import { color, figure, plot } from "./plot.js";
+import { warningsOf } from "./tables.js";
 
 const words = { pass: "Good enough", marginal: "Just good enough", fail: "Not good enough" };
 const marks = { pass: "✓", marginal: "!", fail: "✗" };
@@ -17,15 +18,16 @@ function gradeTag(grade, text = grade) {
 export function headline(report) {
   const verdict = report.verdict;
   if (!verdict) return null;
+  const warnings = warningsOf(report).length;
   if (!verdict.grade) {
-    const lacks = verdict.findings.filter((finding) => !finding.good).length;
+    const lacks = verdict.findings.filter((finding) => !finding.good).length + warnings;
     return el("p", { class: "headline" }, lacks ? gradeTag("marginal", `${counted(lacks, "thing")} to look at`) : gradeTag("pass", "Nothing speaks against it"),
       " Nothing was required of this calibration; say what it is for with ", el("code", {}, "--require"), ".");
   }
   const missed = verdict.judgements.filter((judgement) => judgement.grade !== "pass").length;
   const text = missed ? ` ${missed} of ${counted(verdict.judgements.length, "requirement")} ${verdict.grade === "fail" ? "missed or close" : "close or in doubt"}.`
     : ` ${verdict.judgements.length === 1 ? "The requirement is" : `All ${verdict.judgements.length} requirements are`} met.`;
-  return el("p", { class: "headline" }, gradeTag(verdict.grade, words[verdict.grade]), text);
+  return el("p", { class: "headline" }, gradeTag(verdict.grade, words[verdict.grade]), text, warnings ? ` ${counted(warnings, "warning")} to read.` : "");
 }
 
 function judgementCard(judgement) {

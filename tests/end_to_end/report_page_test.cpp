@@ -14,6 +14,7 @@
 #include "browser.hpp"
 #include "calibration_summary.hpp"
 #include "judgement.hpp"
+#include "laser_world.hpp"
 #include "raybundle/calibrate/calibrate.hpp"
 #include "raybundle/io/report_file.hpp"
 #include "raybundle/scene/atomic_file.hpp"
@@ -101,6 +102,29 @@ TEST_F(ReportPageInBrowser, ShowsEverySectionAndAsksForNothing) {
   EXPECT_THAT(browser->errors, IsEmpty());
   for (const std::string& request : browser->requests)
     EXPECT_THAT(request, AnyOf(HasSubstr("file:"), HasSubstr("data:")));
+}
+
+TEST_F(ReportPageInBrowser, ShowsTheLaserAndCountsWarnings) {
+  SyntheticWorld world = synthetic_world(laser_rig_options(30, 4));
+  add_laser(world, {.brightest_factor = 2.0, .seed = 4});
+  world.problem.laser->brightest = 60;
+  const CalibrationResult result = calibrate(world.problem);
+  ASSERT_TRUE(result.laser);
+  ReportExtra extra;
+  extra.sections = apps::sections_of(apps::judge(world.problem, result, {}), result);
+  open(text_from_report(world.problem, result, extra));
+  EXPECT_THAT(text("#laser"), AllOf(HasSubstr("of 121 beams"), HasSubstr("tells depth"), HasSubstr("camera0.fx")));
+  CalibrationResult warned = result;
+  warned.warnings.clear();
+  open(text_from_report(world.problem, warned, {}));
+  EXPECT_EQ(browser->evaluate("document.querySelector('.headline')"), nullptr);  // nothing was judged
+  extra.sections = {{"verdict", R"({"grade": null, "judgements": [], "findings": []})"}};
+  open(text_from_report(world.problem, warned, extra));
+  EXPECT_THAT(text(".headline"), HasSubstr("Nothing speaks against it"));
+  warned.warnings.emplace_back("something is odd");
+  open(text_from_report(world.problem, warned, extra));
+  EXPECT_THAT(text(".headline"), HasSubstr("1 thing to look at"));
+  EXPECT_THAT(browser->errors, IsEmpty());
 }
 
 // Does not look at what is drawn, only that it changes when it is turned.

@@ -353,11 +353,43 @@ std::vector<std::string> contradicted_values(const CalibrationProblem& problem, 
                   times, given)};
 }
 
+// What is to be kept needs a value: the search would keep what it happened to start with.
+void require_values(const CalibrationProblem& problem) {
+  for (const ParameterBlock& block : parameter_blocks(problem)) {
+    const bool of_lens = block.kind == ParameterBlock::Kind::kIntrinsics;
+    const bool of_place = block.kind == ParameterBlock::Kind::kCameraFromRig && block.owner > 0;
+    if (!of_lens && !of_place) continue;
+    const ProblemCamera& camera = problem.cameras[block.owner];
+    if (of_lens ? camera.parameters.has_value() : camera.camera_from_rig.has_value()) continue;
+    for (const Parameter& parameter : block.parameters) {
+      if (parameter.kind == ParameterRule::Kind::kFree || parameter.value) continue;
+      throw Error(ErrorKind::kBadInput,
+                  parameter.name + " is to be kept, but at which value? Give one, or start values");
+    }
+  }
+}
+
 }  // namespace
 
+void check(const CalibrateOptions& options, const std::string& where) {
+  CalibrateOptions::for_each_option(
+      options, [&]<typename T>(std::string_view name, const char*, const char*, const T& value) {
+        if constexpr (!std::is_same_v<T, bool>) {
+          if (value > 0 && std::isfinite(static_cast<double>(value)) && (name != "threads" || value <= kMostThreads)) {
+            return;
+          }
+          throw Error(ErrorKind::kBadInput,
+                      name == "threads" ? fmt::format("threads is {}, but must be 1 to {}", value, kMostThreads)
+                                        : fmt::format("{} is {}, but must be a positive number", name, value),
+                      where);
+        }
+      });
+}
+
 CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOptions& options) {
+  check(options);
   check(problem);
-  parameter_blocks(problem);  // refuses rules that match nothing
+  require_values(problem);  // refuses rules that match nothing, too
   CalibrationResult result = calibrate_weighing_priors(problem, options);
   std::ranges::move(contradicted_values(problem, options, result), std::back_inserter(result.warnings));
   std::ranges::move(data_warnings(problem, result), std::back_inserter(result.warnings));

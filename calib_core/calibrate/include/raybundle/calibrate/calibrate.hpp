@@ -33,11 +33,19 @@ struct CalibrateOptions {
   }
 };
 
+inline constexpr int kMostThreads = 256;
+
+/// Refuses options that are not positive finite numbers, or too many threads.
+///
+/// @param where  they stand: file and line, or the command line
+void check(const CalibrateOptions& options, const std::string& where = {});
+
 /// Intrinsics, extrinsics, board poses and board shapes in one bundle adjustment, from observations alone.
 /// See src/calibrate.cpp: the pipeline, step by step.
 ///
-/// @throws Error(kBadInput) for a problem that breaks an invariant or mixes boards of two sizes, Error(kNotEnoughData) when the views cannot
-///         determine the answer, Error(kSolveFailed) when the solve breaks down
+/// @throws Error(kBadInput) for options out of range, a problem that breaks an invariant, or one that mixes boards of
+///         two sizes; Error(kNotEnoughData) when the views cannot determine the answer; Error(kSolveFailed) when the
+///         solve breaks down
 CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOptions& options = {});
 
 }  // namespace raybundle
