@@ -68,7 +68,9 @@ std::optional<std::vector<std::size_t>> places_from_header(const CsvTable& table
   const CsvRow& row = table.rows.front();
   const std::vector<std::string_view> names = all_names(columns);
   const auto known = [&](const std::string& field) { return std::ranges::find(names, field) != names.end(); };
+  const auto is_number = [](const std::string& field) { return number_from<double>(field).has_value(); };
   if (std::ranges::none_of(row.fields, known)) return std::nullopt;
+  if (std::ranges::any_of(row.fields, is_number)) return std::nullopt;  // of a camera that is called camera, say
 
   const std::string expected = "the columns are " + listed(names);
   std::vector<std::size_t> places;

@@ -44,6 +44,13 @@ TEST(ObservationCsv, ReadsWithAndWithoutHeader) {
   }
 }
 
+// A line with numbers is no header, whatever its camera is called.
+TEST(ObservationCsv, ACameraMayBeCalledAsAColumn) {
+  const CalibrationProblem problem =
+      observations_from_csv_text("camera,8,0,10.5,20\ncamera,8,1,11,20\n", "c.csv", board(), {{"camera", {640, 480}}});
+  EXPECT_EQ(problem.views.at(0).observations.size(), 2u);
+}
+
 TEST(ObservationCsv, TheHeaderGivesTheOrder) {
   const CalibrationProblem problem = from_csv("u,v,point_id,camera,frame\r\n1,2,3,left,a\r\n3,4,3,\"right\",a\r\n");
   EXPECT_EQ(problem.views[0].observations[0].pixel, Eigen::Vector2d(1, 2));
