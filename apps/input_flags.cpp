@@ -249,6 +249,7 @@ DetectedImages observe(const InputFlags& flags, const Dataset& dataset) {
     if (file.models[c]) file.problem.cameras[c].model = *file.models[c];
   }
   leave_out_bad_views(images);
+  if (!is_json(flags.observations)) warn_of_mirrored_views(dataset.boards.front().board, file.problem);
   return images;
 }
 

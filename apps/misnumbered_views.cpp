@@ -142,4 +142,25 @@ void leave_out_misnumbered_views(DetectedImages& images) {
   problem.views = std::move(kept);
 }
 
+void warn_of_mirrored_views(const Board& board, const CalibrationProblem& problem) {
+  if (std::holds_alternative<PointSet>(board)) return;                       // whose z may point anywhere
+  const int from_front = std::holds_alternative<AprilGrid>(board) ? -1 : 1;  // Kalibr's y runs up the board
+  std::map<int, std::pair<int, int>> counts;                                 // by camera: from behind, of all
+  for (const TargetView& view : problem.views) {
+    const int hand = handedness(corners_of(problem.targets[view.target], view));
+    auto& [behind, all] = counts[view.camera];
+    behind += hand == -from_front;
+    all += hand != 0;
+  }
+  for (const auto& [camera, count] : counts) {
+    const auto& [behind, all] = count;
+    if (2 * behind <= all) continue;
+    say_warning(fmt::format(
+        "camera {}: in {} of {} views the corners lie as on a board that is seen from behind: does v count "
+        "upwards, or is the image mirrored? Then what is told of the camera is mirrored, too. Where only the "
+        "board's points are numbered the other way round, all is well",
+        problem.cameras[camera].name, behind, all));
+  }
+}
+
 }  // namespace raybundle::apps

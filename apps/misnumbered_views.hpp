@@ -16,4 +16,8 @@ namespace raybundle::apps {
 /// @throws Error(kBadInput) when that is so of every camera
 void leave_out_misnumbered_views(DetectedImages& images);
 
+/// Warns of cameras that see a printed board from behind in most of their views, by a table of corners: their pixels are
+/// mirrored, or only the board's points are numbered the other way round.
+void warn_of_mirrored_views(const Board& board, const CalibrationProblem& problem);
+
 }  // namespace raybundle::apps

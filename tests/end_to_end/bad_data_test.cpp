@@ -188,6 +188,18 @@ TEST_F(BadData, ColumnsInTheWrongOrder) {
   refuses(raybundle_program(arguments("swapped.csv")), {"camera camera0", "u and v were swapped"});
 }
 
+// All of them mirrored no residual shows, and no other view.
+TEST_F(BadData, PixelsThatCountUpwardsAreWarnedOf) {
+  CalibrationProblem problem = world().problem;
+  write_text(place / "down.csv", csv_of(problem));
+  EXPECT_THAT(raybundle_program(arguments("down.csv")).err, Not(HasSubstr("does v count upwards")));
+  for (TargetView& view : problem.views) {
+    for (Observation& corner : view.observations) corner.pixel.y() = 959.0 - corner.pixel.y();
+  }
+  write_text(place / "up.csv", csv_of(problem));
+  EXPECT_THAT(raybundle_program(arguments("up.csv")).err, HasSubstr("does v count upwards"));
+}
+
 // The views of a problem, some of them spoilt; and the problem without those.
 struct SpoiltViews {
   CalibrationProblem problem, without;
