@@ -23,8 +23,7 @@ std::optional<Eigen::Matrix<double, 2, 4>> pixel_by_beam(const RigCamera& camera
   const Eigen::Vector3d x_in_camera = camera.camera_from_rig * x_in_rig;
   const std::optional<Eigen::Vector2d> pixel = pixel_from_ray(camera.camera, x_in_camera);
   const std::optional<PixelDerivatives> derivatives = pixel_derivatives(camera.camera, x_in_camera);
-  if (!pixel || !derivatives || pixel->minCoeff() < 0.0) return std::nullopt;
-  if (pixel->x() > camera.camera.size.width - 1 || pixel->y() > camera.camera.size.height - 1) return std::nullopt;
+  if (!pixel || !derivatives || !camera.camera.size.contains(*pixel)) return std::nullopt;
   Eigen::Matrix<double, 3, 4> by_beam;
   by_beam.leftCols<2>() = across(beam.direction);
   by_beam.rightCols<2>() = beam.direction.dot(x_in_rig - beam.point) * by_beam.leftCols<2>();

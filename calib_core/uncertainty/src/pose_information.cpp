@@ -97,8 +97,7 @@ ViewData imagined_corners(const Calibration& calibration, int camera, int target
   std::vector<std::size_t> seen;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     const auto pixel = pixel_from_ray(lens.camera, camera_from_target * surface[i]);
-    if (!pixel || pixel->minCoeff() < 0.0) continue;
-    if (pixel->x() <= lens.camera.size.width - 1 && pixel->y() <= lens.camera.size.height - 1) seen.push_back(i);
+    if (pixel && lens.camera.size.contains(*pixel)) seen.push_back(i);
   }
   ViewData data = view_of(camera, target, lens.camera.model, static_cast<Eigen::Index>(seen.size()));
   data.inverse_sigma.setConstant(1.0 / sigma_px);
