@@ -207,16 +207,6 @@ std::string folder_from(const std::filesystem::path& folder) {
   return std::filesystem::relative(std::filesystem::current_path(), folder, failed).generic_string();
 }
 
-// Without a start there is nothing that a parameter could be kept at, but what the search happened to find.
-void require_values(const std::vector<ParameterRule>& rules, const std::string& start) {
-  for (const ParameterRule& rule : rules) {
-    if (rule.kind == ParameterRule::Kind::kFree || rule.value || !start.empty()) continue;
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("'{0}' is to be kept, but at which value? Write {0}=VALUE, or give --start CALIBRATION",
-                            rule.pattern));
-  }
-}
-
 // How to test the calibration on images that it has not seen.
 std::string next_command(const CalibrateJob& job, const CalibrationResult& result) {
   std::string command = "raybundle validate " + shell_word(job.output + "/calibration.json");
@@ -271,7 +261,6 @@ void run_calibration(const CalibrateJob& job) {
   problem.rules = dataset.rules;
   problem.rules.insert(problem.rules.end(), job.rules.begin(), job.rules.end());
   parameter_blocks(problem);  // refuses rules that match nothing, before any asks for its value
-  require_values(problem.rules, job.start);
   if (!job.start.empty()) take_start(job.start, problem);
   const std::optional<SurveyInput> survey = job.survey.landmarks.empty() ? dataset.survey : job.survey;
   if (survey) problem.survey = read_survey(*survey);

@@ -109,7 +109,8 @@ void add_compare_verb(CLI::App& app) {
   verb->add_option("--columns", flags->columns, "cells of the difference map along the image's width")
       ->check(CLI::Range(4, 400))
       ->capture_default_str();
-  verb->add_option("--max-px", flags->max_px, "gate: no projection may differ by more [px]")->check(above_zero);
+  verb->add_option("--max-px", flags->max_px, "gate: no projection of a camera that both have may differ by more [px]")
+      ->check(above_zero);
   verb->add_option(
           "--max-sigmas", flags->max_sigmas,
           "gate: 90 % of the image within so many summed sigmas, every extrinsic and beam within so many sigmas, "

@@ -30,7 +30,11 @@ Json json_from_map(const Eigen::MatrixXd& map) {
 Json json_from_differences(const std::vector<NormalizedDifference>& differences) {
   Json json = Json::array();
   for (const NormalizedDifference& d : differences) {
-    json.push_back({{"name", d.name}, {"difference", d.difference}, {"sigma", d.sigma}, {"sigmas", d.sigmas}});
+    json.push_back({{"name", d.name},
+                    {"difference", d.difference},
+                    {"sigma", d.sigma},
+                    {"sigmas", d.sigmas},
+                    {"beyond_any_sigma", std::isinf(d.sigmas)}});
   }
   return json;
 }
@@ -50,20 +54,26 @@ Json json_from_projection(const ProjectionDifference& d) {
             {"summed_sigma_px", json_from_map(d.sigma_px)}}}};
 }
 
-// The typical and the largest of some normalised differences, or nothing where none is uncertain.
+// The typical and the largest of some normalised differences, and those for which no sigma is large enough; nothing
+// where none is uncertain and none differs.
 std::string sigmas_text(const std::vector<NormalizedDifference>& differences, const std::string& unit) {
   const NormalizedDifference* worst = nullptr;
   double squares = 0.0;
-  int count = 0;
+  int count = 0, beyond = 0;
   for (const NormalizedDifference& d : differences) {
-    if (std::isnan(d.sigmas)) continue;
+    beyond += std::isinf(d.sigmas);
+    if (!std::isfinite(d.sigmas)) continue;
     squares += d.sigmas * d.sigmas;
     ++count;
     if (worst == nullptr || d.sigmas > worst->sigmas) worst = &d;
   }
-  if (worst == nullptr) return "";
-  return fmt::format("{} of them {:.2f} sigmas apart rms; farthest {} by {:.3g}{}, {:.1f} sigmas\n", count,
-                     std::sqrt(squares / count), worst->name, worst->difference, unit, worst->sigmas);
+  std::string text;
+  if (worst != nullptr) {
+    text = fmt::format("{} of them {:.2f} sigmas apart rms; farthest {} by {:.3g}{}, {:.1f} sigmas\n", count,
+                       std::sqrt(squares / count), worst->name, worst->difference, unit, worst->sigmas);
+  }
+  if (beyond > 0) text += fmt::format("{}{} differ, and no sigma tells of it\n", text.empty() ? "" : "  ", beyond);
+  return text;
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ void take_beams(const std::string& path, double distance_m, Judgement& judgement
   if (laser->grating || judgement.beams == laser->grid.size()) return;
   say_warning(
       fmt::format("{} holds lines of {} of the grating's {} beams and no model of the others, which may enter the "
-                  "aperture, too: the limit in all is too high by as much",
+                  "aperture, too: the limit in all may be too high",
                   path, judgement.beams, laser->grid.size()));
 }
 

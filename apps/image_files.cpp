@@ -279,15 +279,14 @@ cv::Mat read_gray(const std::string& path) {
   return image;
 }
 
-void in_8_bits(std::initializer_list<cv::Mat*> images) {
-  double brightest = 0.0;
+void EightBits::take(std::initializer_list<cv::Mat*> images) {
   for (const cv::Mat* image : images) {
     if (image->empty() || image->depth() == CV_8U) continue;
     double most = 0.0;
     cv::minMaxLoc(*image, nullptr, &most);
-    brightest = std::max(brightest, most);
+    brightest_ = std::max(brightest_, most);
   }
-  const double full = brightest < 1024.0 ? 1023.0 : brightest < 4096.0 ? 4095.0 : 65535.0;
+  const double full = brightest_ < 1024.0 ? 1023.0 : brightest_ < 4096.0 ? 4095.0 : 65535.0;
   for (cv::Mat* image : images) {
     if (!image->empty() && image->depth() != CV_8U) image->convertTo(*image, CV_8U, 255.0 / full);
   }

@@ -72,9 +72,15 @@ class GreyVideo {
   std::unique_ptr<Data> data_;
 };
 
-/// Images of one moment in 8 bits. Those of more are scaled alike, by the least number of bits, of 10, 12 and 16, that
-/// holds the brightest pixel of all.
-void in_8_bits(std::initializer_list<cv::Mat*> images);
+/// Images in 8 bits. Those of more are scaled alike, by the least number of bits, of 10, 12 and 16, that holds the
+/// brightest pixel of all so far: a darker image stays darker.
+class EightBits {
+ public:
+  void take(std::initializer_list<cv::Mat*> images);
+
+ private:
+  double brightest_ = 0.0;
+};
 
 /// Calls use(gray, frame) for the image, or for every frame of the video in order, with its frame name.
 ///

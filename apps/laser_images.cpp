@@ -84,7 +84,7 @@ void for_each_moment(const LaserShot& shot, const SensorTable& table,
   const auto checked = [&](ShotImages images) {
     require_size(images.on, shot.on, table);
     if (!images.off.empty()) require_size(images.off, shot.off, table);
-    in_8_bits({&images.on, &images.off});
+    EightBits().take({&images.on, &images.off});
     return images;
   };
   if (is_video(shot.on) != is_video(shot.off) && !shot.off.empty()) {

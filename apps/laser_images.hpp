@@ -24,7 +24,7 @@ struct LaserShot {
 /// @throws Error(kBadInput) naming an image that lacks its counterpart
 std::vector<LaserShot> laser_shots(const std::vector<std::string>& on, const std::vector<std::string>& off);
 
-/// The grey images of a shot, of 8 bits: see in_8_bits().
+/// The grey images of a shot, of 8 bits: see EightBits.
 struct ShotImages {
   cv::Mat on;
   cv::Mat off;  ///< empty: none

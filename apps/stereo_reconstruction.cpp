@@ -74,7 +74,7 @@ void StereoReconstruction::take(const StereoMoment& moment, bool only_one) {
     images = {read_gray(moment.left), read_gray(moment.right), {}};
     const bool lit_apart = !moment.lit.empty() && moment.lit != moment.left;
     if (lit_apart) images.lit = read_gray(moment.lit);
-    in_8_bits({&images.left, &images.right, &images.lit});
+    bits_.take({&images.left, &images.right, &images.lit});
     if (moment.lit == moment.left) images.lit = images.left;
     require_sizes(moment, images);
   } catch (const Error& error) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "image_files.hpp"
 #include "stereo_anchors.hpp"
 #include "stereo_cabin.hpp"
 #include "stereo_exposure.hpp"
@@ -67,6 +68,7 @@ class StereoReconstruction {
   std::optional<LaserAnchors> anchors_;
   std::optional<ExposureAdvice> exposure_;
   nlohmann::json page_ = nlohmann::json::array();
+  EightBits bits_;
   std::set<std::string> names_;  // of the frames taken
   int missed_ = 0;               // of the gate
   int exchanged_ = 0;

@@ -16,6 +16,7 @@
 #include "number_flags.hpp"
 #include "page_text.hpp"
 #include "raybundle/calibrate/survey.hpp"
+#include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
 #include "survey_input.hpp"
 #include "survey_text.hpp"
@@ -49,6 +50,7 @@ void run(const SurveyFlags& flags) {
     std::ranges::move(of_camera.images, std::back_inserter(placed.images));
     std::ranges::move(of_camera.not_placed, std::back_inserter(placed.not_placed));
   }
+  if (placed.images.empty()) throw Error(ErrorKind::kNotEnoughData, placed.not_placed.front());
   const std::vector<SurveyImage>& images = placed.images;
   const double rms = rms_px(images);
   const bool passed = flags.max_rms_px <= 0.0 || (rms <= flags.max_rms_px && placed.not_placed.empty());

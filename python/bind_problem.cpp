@@ -71,10 +71,10 @@ void bind_problem(py::module_& module) {
            "What a camera saw of a board in a frame: pixels (N, 2) of the points with these ids.")
       .def(
           "fix",
-          [](CalibrationProblem& problem, const std::string& pattern, std::optional<double> value) {
+          [](CalibrationProblem& problem, const std::string& pattern, double value) {
             add_rule(problem, pattern, ParameterRule::Kind::kFixed, value, 0.0);
           },
-          py::arg("pattern"), py::arg("value") = std::nullopt, "Holds parameters, as *.k3 at 0.")
+          py::arg("pattern"), py::arg("value"), "Holds parameters, as *.k3 at 0.")
       .def(
           "prior",
           [](CalibrationProblem& problem, const std::string& pattern, double value, double sigma) {

@@ -46,15 +46,17 @@ TEST(ReadsImages, OfFloatingPoint) {
 }
 
 // Cameras of 10 and 12 bits fill the lower ones; what belongs together is scaled alike.
-TEST(ReadsImages, OfMoreThan8BitsByTheBrightestPixelOfAMoment) {
-  const auto scaled = [](int left, int right) {
+TEST(ReadsImages, OfMoreThan8BitsByTheBrightestPixelSoFar) {
+  apps::EightBits bits;
+  const auto scaled = [&bits](int left, int right) {
     cv::Mat a(1, 1, CV_16U, cv::Scalar(left)), b(1, 1, CV_16U, cv::Scalar(right)), none;
-    apps::in_8_bits({&a, &b, &none});
+    bits.take({&a, &b, &none});
     return std::vector<int>{a.at<std::uint8_t>(0), b.at<std::uint8_t>(0)};
   };
   EXPECT_THAT(scaled(1023, 0), ElementsAre(255, 0));
   EXPECT_THAT(scaled(4095, 819), ElementsAre(255, 51));
   EXPECT_THAT(scaled(13107, 65535), ElementsAre(51, 255));
+  EXPECT_THAT(scaled(1023, 257), ElementsAre(4, 1));  // darker, not of fewer bits
 }
 
 std::string little_endian(std::uint32_t value, int size) {

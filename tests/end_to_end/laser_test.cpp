@@ -202,6 +202,12 @@ TEST(EyeSafety, BeamsThatNothingDeterminedPermitNothing) {
   const nlohmann::json half = judged();
   EXPECT_EQ(half["beams_in_aperture"], all["beams_in_aperture"]);
   EXPECT_LT(half["permissible_total_mW"].get<double>(), all["permissible_total_mW"].get<double>());
+  beams.erase(beams.begin() + 1, beams.end());
+  for (const char* pitch : {"column_pitch", "row_pitch"}) {
+    nlohmann::json& value = calibration["laser"]["grating"][pitch];
+    value = 0.1 * value.get<double>();  // a grating whose beams lie close to each other
+  }
+  EXPECT_GT(judged()["beams_in_aperture"].get<int>(), 20);
 }
 
 // A click on a dot of another beam moves all labels with it; one that is nowhere near a dot is refused.

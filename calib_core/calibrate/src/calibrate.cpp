@@ -363,8 +363,10 @@ void require_values(const CalibrationProblem& problem) {
     if (of_lens ? camera.parameters.has_value() : camera.camera_from_rig.has_value()) continue;
     for (const Parameter& parameter : block.parameters) {
       if (parameter.kind == ParameterRule::Kind::kFree || parameter.value) continue;
-      throw Error(ErrorKind::kBadInput,
-                  parameter.name + " is to be kept, but at which value? Give one, or start values");
+      throw Error(
+          ErrorKind::kBadInput,
+          fmt::format("'{0}' is to be kept, but at which value? Write {0}=VALUE, or give start values (--start)",
+                      parameter.name));
     }
   }
 }

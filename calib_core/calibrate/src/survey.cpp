@@ -303,8 +303,7 @@ PlacedImages check_survey(const Calibration& calibration, const RigCamera& camer
       placed.images.push_back(image_of(camera.camera, image, pairs, survey.sighting_sigma_px, uncertainty));
       placed.images.back().camera = camera.name;
     } catch (const Error& error) {
-      const bool nothing_else = placed.images.empty() && placed.not_placed.size() + 1 == images.size();
-      if (error.kind() != ErrorKind::kNotEnoughData || nothing_else) throw;
+      if (error.kind() != ErrorKind::kNotEnoughData) throw;
       placed.not_placed.emplace_back(error.what());
     }
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -50,7 +51,11 @@ std::vector<SurveyImage> place_images(const Calibration& calibration, const Surv
     std::ranges::sort(sightings, {}, &Sighting::landmark);  // the bits do not depend on the order of the table
     part.sightings = std::move(sightings);
     try {
-      images.push_back(check_survey(calibration, *found, part).images.front());
+      PlacedImages placed = check_survey(calibration, *found, part);
+      std::ranges::move(placed.images, std::back_inserter(images));
+      for (const std::string& why : placed.not_placed) {
+        not_placed.push_back("the landmarks in " + image + " are left out: " + why);
+      }
     } catch (const Error& error) {
       not_placed.push_back("the landmarks in " + image + " are left out: " + error.what());
     }
@@ -154,19 +159,6 @@ bool is_in_sight(const CalibrationProblem& problem, const BundleState& state, in
   return pixel_from_ray(state.cameras[seen.camera], x).has_value();
 }
 
-/// Leaves out what the solve has fitted beyond the lens's end; whether there is any.
-bool leave_out_of_sight(const CalibrationProblem& problem, std::size_t first_view, BundleState& state) {
-  bool any = false;
-  for (std::size_t v = first_view; v < problem.views.size(); ++v) {
-    for (std::size_t i = 0; i < state.fates[v].size(); ++i) {
-      if (state.fates[v][i] != ObservationFate::kUsed || is_in_sight(problem, state, static_cast<int>(v), i)) continue;
-      state.fates[v][i] = ObservationFate::kOutlier;
-      any = true;
-    }
-  }
-  return any;
-}
-
 /// Marks sightings that are off by more than the limit, and sets images aside that keep too few. False when no mark
 /// changed.
 ///
@@ -180,9 +172,9 @@ bool mark_outliers(const CalibrationProblem& problem, const std::vector<SurveyIm
     const std::vector<Eigen::Vector2d> residuals = view_residuals(problem, state, static_cast<int>(v));
     for (std::size_t i = 0; i < residuals.size(); ++i) {
       const double sigmas = residuals[i].norm() / placed[v - first_view].landmarks[i].own_sigma_px;
-      state.fates[v][i] = std::isnan(sigmas)         ? ObservationFate::kUnprojectable
-                          : sigmas <= kOutlierSigmas ? ObservationFate::kUsed
-                                                     : ObservationFate::kOutlier;
+      state.fates[v][i] = !is_in_sight(problem, state, static_cast<int>(v), i) ? ObservationFate::kUnprojectable
+                          : sigmas <= kOutlierSigmas                           ? ObservationFate::kUsed
+                                                                               : ObservationFate::kOutlier;
     }
     if (hold_a_pose(problem, problem.views[v], state.fates[v])) continue;
     state.pose_of_view[v] = -1;
@@ -202,8 +194,7 @@ BundleSummary solve_all(const CalibrationProblem& problem, const std::vector<Sur
   robust.robust_scale_sigma = options.robust_scale_sigma;
   BundleSummary summary = solve_bundle(problem, state, robust);
   for (int round = 0; round < kMaxRounds && summary.termination != Termination::kFailed; ++round) {
-    const bool changed = mark_outliers(problem, placed, state);
-    if (!leave_out_of_sight(problem, problem.views.size() - placed.size(), state) && !changed && round > 0) break;
+    if (!mark_outliers(problem, placed, state) && round > 0) break;
     summary = solve_bundle(problem, state, plain);
   }
   return summary;

@@ -199,27 +199,27 @@ std::string beam_words(const LaserGrid& grid, int beam) {
   return "row " + std::to_string(grid.row(beam)) + ", column " + std::to_string(grid.column(beam));
 }
 
-// Columns down the image and rows to its left: a turn, where exchanging them would mirror the grid.
-LatticePlace quarter_turned(const LatticePlace& place) { return {-place.column, place.row}; }
+// By quarters. One puts columns down the image and rows to its left: a turn, where exchanging them would mirror the
+// grid.
+LatticePlace turned(LatticePlace place, int quarters) {
+  for (; quarters > 0; --quarters) place = {-place.column, place.row};
+  return place;
+}
 
-}  // namespace
+Places turned(Places places, int quarters) {
+  for (auto& place : places) {
+    if (place) place = turned(*place, quarters);
+  }
+  return places;
+}
 
-BeamOrigin beam_origin(const LaserScene& scene, const std::vector<BeamHit>& hits, const std::vector<HitLine>& lines,
-                       const Places& given_places) {
+// What says which beam is which, of a lattice that is turned by so many quarters.
+BeamOrigin origin_of_turned(const LaserScene& scene, const std::vector<BeamHit>& hits,
+                            const std::vector<HitLine>& lines, const Places& given_places, int quarters) {
   const CalibrationProblem& problem = scene.problem;
   const ProblemLaser& laser = *problem.laser;
-  Places places = given_places;
-  Extent rows = extent_of(places, &LatticePlace::row);
-  Extent columns = extent_of(places, &LatticePlace::column);
-  const bool turned = rows.count() <= laser.grid.columns && columns.count() <= laser.grid.rows &&
-                      (rows.count() > laser.grid.rows || columns.count() > laser.grid.columns);
-  if (turned) {
-    for (auto& place : places) {
-      if (place) place = quarter_turned(*place);
-    }
-    rows = extent_of(places, &LatticePlace::row);
-    columns = extent_of(places, &LatticePlace::column);
-  }
+  const Places places = turned(given_places, quarters);
+  const Extent rows = extent_of(places, &LatticePlace::row), columns = extent_of(places, &LatticePlace::column);
   std::vector<Shift> shifts = shifts_into(laser.grid, rows, columns);
   if (shifts.empty()) {
     throw Error(ErrorKind::kNotEnoughData, "the dots form " + grid_words(rows.count(), columns.count()) +
@@ -247,7 +247,7 @@ BeamOrigin beam_origin(const LaserScene& scene, const std::vector<BeamHit>& hits
   }
   if (laser.anchor) {
     const LatticePlace& place = place_of_anchor(scene, lines, given_places);
-    const LatticePlace anchored = turned ? quarter_turned(place) : place;
+    const LatticePlace anchored = turned(place, quarters);
     keep("the anchor", [&](Shift shift) { return beam_at(laser.grid, anchored, shift) == laser.anchor->beam; });
   }
   if (laser.brightest && shifts.size() > 1) {
@@ -275,12 +275,6 @@ BeamOrigin beam_origin(const LaserScene& scene, const std::vector<BeamHit>& hits
                     (laser.brightest ? "give an anchor, or name a missing beam"
                                      : "name the brightest or a missing beam, or give an anchor");
   }
-  if (turned) {
-    origin.reason += fmt::format(
-        "; the dots have more rows than the {}x{} beams, whose columns are taken to run down the image: a projector "
-        "that is turned by a quarter, or is it {}x{}",
-        laser.grid.columns, laser.grid.rows, laser.grid.rows, laser.grid.columns);
-  }
   const Shift shift = shifts[shifts.size() / 2];
   for (std::size_t l = 0; l < lines.size(); ++l) {
     if (places[l]) origin.beam_of_line[l] = beam_at(laser.grid, *places[l], shift).value_or(kUnlabelled);
@@ -290,6 +284,35 @@ BeamOrigin beam_origin(const LaserScene& scene, const std::vector<BeamHit>& hits
     origin.reason += ", by which not " + beam_words(laser.grid, *laser.brightest) +
                      " is the brightest, as is said, but " + beam_words(laser.grid, *brighter);
   }
+  return origin;
+}
+
+}  // namespace
+
+BeamOrigin beam_origin(const LaserScene& scene, const std::vector<BeamHit>& hits, const std::vector<HitLine>& lines,
+                       const Places& places) {
+  const ProblemLaser& laser = *scene.problem.laser;
+  const int rows = extent_of(places, &LatticePlace::row).count();
+  const int columns = extent_of(places, &LatticePlace::column).count();
+  const bool upright = rows <= laser.grid.rows && columns <= laser.grid.columns;
+  const bool turned = rows <= laser.grid.columns && columns <= laser.grid.rows;
+  // Dots whose beams are named may say that the projector is turned; otherwise it is only where it must be.
+  const bool named = laser.anchor || !labels_of_lines(scene.problem, hits, lines).empty();
+  std::optional<Error> refusal;
+  for (int quarters = 0; named && quarters < 4; ++quarters) {
+    if (quarters % 2 == 0 ? !upright : !turned) continue;
+    try {
+      return origin_of_turned(scene, hits, lines, places, quarters);
+    } catch (const Error& error) {
+      if (!refusal) refusal = error;
+    }
+  }
+  if (refusal) throw Error(*refusal);
+  if (upright || !turned) return origin_of_turned(scene, hits, lines, places, 0);
+  BeamOrigin origin = origin_of_turned(scene, hits, lines, places, 1);
+  origin.reason += fmt::format(
+      "; {} were seen, so that the projector is taken to be turned by a quarter: or has the grid {} columns and {} rows?",
+      grid_words(rows, columns), laser.grid.rows, laser.grid.columns);
   return origin;
 }
 

@@ -19,7 +19,8 @@ struct BeamOrigin {
 };
 
 /// Shifts the lattice into the grid of the problem's laser so that it agrees with the anchor, the brightest and the
-/// missing beams. What these leave open is settled by taking the middle, and `reason` says so.
+/// missing beams. What these leave open is settled by taking the middle, and `reason` says so. A lattice that does not
+/// fit into the grid otherwise is turned by a quarter, or as dots whose beams are named say.
 ///
 /// @throws Error(kNotEnoughData) when the lattice has more rows or columns than the grid; Error(kBadInput) when the
 ///         anchor is not near one line only, or nothing agrees with what is said of the beams

@@ -160,18 +160,23 @@ void label_dots(const LaserScene& scene, const std::vector<BeamHit>& hits, const
   for (std::size_t i = 0; i < hits.size(); ++i) start.beam_of_dot[hits[i].view][hits[i].dot] = label[i];
 }
 
-bool all_labelled(const CalibrationProblem& problem, const std::vector<BeamHit>& hits) {
-  return std::ranges::none_of(
-      hits, [&](const BeamHit& hit) { return problem.views[hit.view].dots[hit.dot].beam == kUnlabelled; });
+bool most_are_labelled(const CalibrationProblem& problem, const std::vector<BeamHit>& hits) {
+  const auto labelled = std::ranges::count_if(
+      hits, [&](const BeamHit& hit) { return problem.views[hit.view].dots[hit.dot].beam != kUnlabelled; });
+  return 2 * labelled >= std::ssize(hits);
 }
 
-// A few labels say which beam is which, but not where the others are: they are found as without labels, where they can.
-BeamLines more_lines(const LaserScene& scene, const std::vector<BeamHit>& hits, BeamLines labelled, BeamStart& start) {
+// A few labels say which beam is which, but not where the others are: they are found as without labels, where they can
+// and the labels agree.
+BeamLines more_lines(const LaserScene& scene, const std::vector<BeamHit>& hits, const BeamLines& labelled,
+                     BeamStart& start) {
+  BeamStart with_more = start;
   try {
-    BeamLines found = unlabelled_lines(scene, hits, start);
-    return found.size() > labelled.size() ? found : labelled;
-  } catch (const Error& error) {
-    if (error.kind() != ErrorKind::kNotEnoughData) throw;
+    BeamLines found = unlabelled_lines(scene, hits, with_more);
+    for (const auto& [beam, line] : labelled) found.insert_or_assign(beam, line);
+    start = std::move(with_more);
+    return found;
+  } catch (const Error&) {
     return labelled;
   }
 }
@@ -186,8 +191,8 @@ BeamStart initialize_beams(const LaserScene& scene) {
   start.origin = "the labels given";
   if (lines.empty()) {
     lines = unlabelled_lines(scene, hits, start);
-  } else if (lines.size() < kFewestOfModel && !all_labelled(scene.problem, hits)) {
-    lines = more_lines(scene, hits, std::move(lines), start);
+  } else if (!most_are_labelled(scene.problem, hits)) {
+    lines = more_lines(scene, hits, lines, start);
   }
   fit_common_model(scene, lines, start);
   label_dots(scene, hits, lines, start);

@@ -55,7 +55,7 @@ NormalizedDifference beam_difference(const LaserBeam& a, const LaserBeam& b) {
   in_a.topRightCorner<2, 2>().diagonal().setConstant(a.line.direction.dot(a.line.point - b.line.point));
   const Eigen::Matrix4d covariance = a.covariance + in_a * b.covariance * in_a.transpose();
   NormalizedDifference result{fmt::format("{},{}", a.row, a.column), motion.head<2>().norm(),
-                              std::sqrt(covariance.topLeftCorner<2, 2>().trace()), std::nan("")};
+                              std::sqrt(covariance.topLeftCorner<2, 2>().trace()), ratio(motion.norm(), 0.0)};
   const Eigen::LDLT<Eigen::Matrix4d> solver(covariance);
   if (solver.isPositive() && solver.vectorD().minCoeff() > 0.0) {
     result.sigmas = std::sqrt(motion.dot(solver.solve(motion)) / 4.0);

@@ -9,7 +9,7 @@
 namespace raybundle {
 namespace {
 
-constexpr int kMostCases = 1 << 20, kMostLayers = 8;
+constexpr int kMostCases = 1 << 20;
 
 void add_matrix(ByteWriter& writer, const Eigen::Ref<const Eigen::MatrixXf>& matrix) {
   writer.values(std::span<const float>(matrix.data(), static_cast<std::size_t>(matrix.size())));

@@ -21,13 +21,16 @@ int voting_of(const LabelledCases& cases) {
 
 void check(const LearnOptions& options) {
   const auto within = [](int value, int least, int most) { return value >= least && value <= most; };
-  const bool sizes = !options.layers.empty() &&
+  const bool sizes = within(static_cast<int>(options.layers.size()), 1, kMostLayers) &&
                      std::ranges::all_of(options.layers, [&](int size) { return within(size, 1, kMostUnits); });
   if (!sizes || !within(options.neighbours, 1, kMostNeighbours) || !within(options.spaces, 1, kMostSpaces) ||
-      !(options.known_share >= 0.0 && options.known_share <= 1.0)) {
-    throw Error(ErrorKind::kBadInput, "learning takes 1 to " + std::to_string(kMostNeighbours) + " neighbours, 1 to " +
-                                          std::to_string(kMostSpaces) + " spaces, layers of 1 to " +
-                                          std::to_string(kMostUnits) + " values and a known share from 0 to 1");
+      !(options.known_share >= 0.0 && options.known_share <= 1.0) || options.steps < 1 ||
+      !(options.dropout >= 0.0 && options.dropout < 1.0)) {
+    throw Error(ErrorKind::kBadInput,
+                "learning takes 1 to " + std::to_string(kMostNeighbours) + " neighbours, 1 to " +
+                    std::to_string(kMostSpaces) + " spaces, 1 to " + std::to_string(kMostLayers) + " layers of 1 to " +
+                    std::to_string(kMostUnits) +
+                    " values, a known share from 0 to 1, one step or more and a dropout from 0 to below 1");
   }
 }
 

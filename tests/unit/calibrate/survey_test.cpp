@@ -140,19 +140,21 @@ TEST(Survey, AnImageThatCannotBePlacedCostsTheOthersNothing) {
   EXPECT_NE(placed.not_placed[0].find("0.png"), std::string::npos);
 }
 
-TEST(Survey, TooFewLandmarksAreRefused) {
+TEST(Survey, TooFewLandmarksPlaceNothing) {
   const Calibration calibration = calibration_of(-0.01);
   const auto surveyed = landmarks(3, 0.0);
-  EXPECT_THROW(
-      check_survey(calibration, calibration.cameras[0], {surveyed, sightings(calibration, surveyed, 0, 1), 0.5}),
-      Error);
+  const PlacedImages placed =
+      check_survey(calibration, calibration.cameras[0], {surveyed, sightings(calibration, surveyed, 0, 1), 0.5});
+  EXPECT_TRUE(placed.images.empty());
+  EXPECT_EQ(placed.not_placed.size(), 1u);
 }
 
 std::string refusal(const std::vector<Landmark>& surveyed, const std::vector<Sighting>& seen) {
   Calibration calibration = calibration_of(-0.01);
   calibration.cameras[0].camera = {*model_named("pinhole"), {1920, 1200}, Eigen::Vector4d(700, 700, 960, 600)};
   try {
-    check_survey(calibration, calibration.cameras[0], {surveyed, seen, 0.5});
+    const PlacedImages placed = check_survey(calibration, calibration.cameras[0], {surveyed, seen, 0.5});
+    return placed.not_placed.empty() ? "" : placed.not_placed.front();
   } catch (const Error& error) {
     return error.what();
   }

@@ -6,12 +6,16 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <atomic>
 #include <cmath>
 #include <vector>
 
 #include "raybundle/synthetic/random.hpp"
 
 namespace raybundle {
+namespace testing {
+extern std::atomic<long> heap_calls;  // of this binary: heap_calls.hpp
+}
 namespace {
 
 const Eigen::Vector3d kEye(0.46, 0.36, 0.90);
@@ -117,6 +121,15 @@ TEST(Head, IsAboveAFist) {
   EXPECT_LT((head.centre - centre).norm(), 0.010);
   const Head fist = found_in({{{0.16, -0.06, 0.45}, {0.09, 0.09, 0.09}}}, 0.002);
   EXPECT_TRUE(fist.found);  // alone it would be taken for one: that is what the test is about
+}
+
+TEST(Head, IsFoundWithoutHeap) {
+  const std::vector<ScenePoint> points = seen({kBody, head_at({-0.05, 0.03, 0.60}, 0.2)}, 0.002);
+  const Scan scan{.viewpoint_in_vehicle = kEye, .points = points, .rays = 20000};
+  const long before = testing::heap_calls;
+  const Head head = find_head({}, {}, scan);
+  EXPECT_EQ(testing::heap_calls, before);
+  EXPECT_TRUE(head.found);
 }
 
 TEST(Head, AnEmptySeatHasNone) {

@@ -8,9 +8,7 @@
 
 #include "heap_calls.hpp"
 #include "raybundle/geometry/error.hpp"
-#include "raybundle/occupancy/head.hpp"
 #include "raybundle/occupancy/learn.hpp"
-#include "raybundle/occupancy/seat_fit.hpp"
 #include "raybundle/synthetic/random.hpp"
 
 namespace raybundle {
@@ -284,18 +282,13 @@ TEST(Learn, RefusesWhatItHasNoRoomFor) {
   refused([](LabelledCases&, LearnOptions& options) { options.neighbours = 150; });
   refused([](LabelledCases&, LearnOptions& options) { options.layers = {2000, 4}; });
   refused([](LabelledCases&, LearnOptions& options) { options.layers = {}; });
+  refused([](LabelledCases&, LearnOptions& options) { options.layers.assign(9, 4); });
+  refused([](LabelledCases&, LearnOptions& options) { options.dropout = 1.0; });
+  refused([](LabelledCases&, LearnOptions& options) { options.steps = 0; });
   refused([](LabelledCases&, LearnOptions& options) { options.spaces = 0; });
   refused([](LabelledCases&, LearnOptions& options) { options.known_share = 1.5; });
   refused([](LabelledCases& cases, LearnOptions&) { cases.situations[1].group = 5000; });
   refused([](LabelledCases& cases, LearnOptions&) { cases.classes[3] = 200; });
-}
-
-TEST(Monitor, SeatAndHeadTakeNoHeap) {
-  const std::vector<ScenePoint> points = scene(true, 0.2, 0.003, 907);
-  const long before = testing::heap_calls;
-  const SeatFit seat = fit_seat({}, scan_of(points));
-  const Head head = find_head({}, seat.pose, scan_of(points));
-  EXPECT_EQ(testing::heap_calls, before) << head.points;
 }
 
 TEST(Monitor, ABaseOfUnknownAttributesIsRefused) {

@@ -4,12 +4,16 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <vector>
 
 #include "raybundle/synthetic/random.hpp"
 
 namespace raybundle {
+namespace testing {
+extern std::atomic<long> heap_calls;  // of this binary: heap_calls.hpp
+}
 namespace {
 
 const Eigen::Vector3d kEye(0.46, 0.36, 0.90);
@@ -30,6 +34,15 @@ std::vector<ScenePoint> seat_points(const SeatPose& seat, double sigma_m) {
 
 SeatFit fit(const std::vector<ScenePoint>& points) {
   return fit_seat({}, {.viewpoint_in_vehicle = kEye, .points = points, .rays = 1000});
+}
+
+TEST(SeatFit, TakesNoHeap) {
+  const std::vector<ScenePoint> points = seat_points({}, 0.005);
+  const Scan scan{.viewpoint_in_vehicle = kEye, .points = points, .rays = 1000};
+  const long before = testing::heap_calls;
+  const SeatFit found = fit_seat({}, scan);
+  EXPECT_EQ(testing::heap_calls, before);
+  EXPECT_TRUE(found.found);
 }
 
 // Anywhere in the travel that the car allows, the truth comes back: to a tenth of what is asked without noise.

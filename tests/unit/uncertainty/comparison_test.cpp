@@ -131,6 +131,13 @@ TEST(Comparison, WhatIsHeldMayNotDiffer) {
   const std::vector<NormalizedDifference> extrinsics = compare(a, b).extrinsics;
   EXPECT_EQ(extrinsics.at(3).sigmas, std::numeric_limits<double>::infinity());
   EXPECT_TRUE(std::isnan(extrinsics.at(4).sigmas));
+
+  LaserPattern pattern{{1, 2}, {}, {}, 0.0, 0.0};
+  pattern.beams = {LaserBeam{0, 1, {{0.1, 0.0, 1.0}, Eigen::Vector3d::UnitZ()}}};
+  a.laser = b.laser = pattern;
+  EXPECT_TRUE(std::isnan(compare(a, b).beams.at(0).sigmas));
+  b.laser->beams[0].line.point.x() += 0.5;
+  EXPECT_EQ(compare(a, b).beams.at(0).sigmas, std::numeric_limits<double>::infinity());
 }
 
 // A truth was not solved from corners: it is compared where those of the other calibration were.

@@ -24,8 +24,7 @@ struct PlacedImages {
 ///
 /// @param survey  its sightings by other cameras are passed over
 /// @throws Error(kBadInput) naming a sighting outside of the image
-/// @throws Error(kNotEnoughData) when no image can be placed: naming the first one, which shows too few landmarks or
-///         where no camera could see them
+/// @throws Error(kNotEnoughData) when the camera saw none of them
 PlacedImages check_survey(const Calibration& calibration, const RigCamera& camera, const Survey& survey);
 
 }  // namespace raybundle

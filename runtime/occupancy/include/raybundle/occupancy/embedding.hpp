@@ -10,6 +10,7 @@
 namespace raybundle {
 
 inline constexpr int kMostUnits = 256;  ///< values that a layer takes or gives
+inline constexpr int kMostLayers = 8;
 
 /// Values in, weights times values plus offsets out.
 struct EmbeddingLayer {
