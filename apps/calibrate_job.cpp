@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "calibration_summary.hpp"
+#include "given_values.hpp"
 #include "judgement.hpp"
 #include "output_folder.hpp"
 #include "predicted_corners.hpp"
@@ -34,26 +35,6 @@ namespace raybundle::apps {
 namespace {
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
-
-void take_start(const std::string& path, CalibrationProblem& problem) {
-  const CalibrationFile start = read_calibration(path);
-  for (ProblemCamera& camera : problem.cameras) {
-    const RigCamera& known = camera_named(start.calibration, camera.name);
-    if (known.camera.model != camera.model) {
-      throw Error(ErrorKind::kBadInput, fmt::format("camera {} is a {} in {}, but --model says {}", camera.name,
-                                                    model_name(known.camera.model), path, model_name(camera.model)));
-    }
-    if (known.camera.size != camera.size) {
-      throw Error(ErrorKind::kBadInput,
-                  fmt::format("camera {} has {}x{} images, but {}x{} in {}; start from a calibration of images of the "
-                              "same size",
-                              camera.name, camera.size.width, camera.size.height, known.camera.size.width,
-                              known.camera.size.height, path));
-    }
-    camera.parameters = known.camera.parameters;
-    camera.camera_from_rig = known.camera_from_rig;
-  }
-}
 
 // What the dataset says, unless the job says otherwise.
 CalibrateOptions merged_options(CalibrateOptions options, const CalibrateJob& job) {
@@ -261,6 +242,7 @@ void run_calibration(const CalibrateJob& job) {
   problem.rules = dataset.rules;
   problem.rules.insert(problem.rules.end(), job.rules.begin(), job.rules.end());
   parameter_blocks(problem);  // refuses rules that match nothing, before any asks for its value
+  warn_of_void_rules(problem);
   if (!job.start.empty()) take_start(job.start, problem);
   const std::optional<SurveyInput> survey = job.survey.landmarks.empty() ? dataset.survey : job.survey;
   if (survey) problem.survey = read_survey(*survey);

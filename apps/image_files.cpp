@@ -144,8 +144,7 @@ bool ends_with_one_of(std::initializer_list<const char*> endings, const std::str
   return std::ranges::find(endings, ending) != endings.end();
 }
 
-// What a file holds says whether it may be an image, not how it is called.
-bool may_be_read(const std::string& path) { return is_video(path) || cv::haveImageReader(path); }
+bool may_be_read(const std::string& path) { return is_video(path) || may_be_image(path); }
 
 // A file that is no image, as a list of lenses beside them, has no number and must not cost the images theirs: it keeps
 // its whole name, and whoever reads it says why it is left out.
@@ -183,6 +182,8 @@ std::vector<ImageFile> files_of_camera(int camera, const std::vector<std::string
 bool is_image(const std::string& path) {
   return ends_with_one_of({".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".bmp", ".tif", ".tiff", ".webp"}, path);
 }
+
+bool may_be_image(const std::string& path) { return cv::haveImageReader(path); }
 
 bool is_video(const std::string& path) { return ends_with_one_of({".mp4", ".avi", ".mkv", ".mov", ".webm"}, path); }
 

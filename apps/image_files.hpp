@@ -56,6 +56,9 @@ inline constexpr const char* kNoVideo = "not a video that can be decoded";  ///<
 
 /// Whether a path ends as those of images, or of videos, do.
 bool is_image(const std::string& path);
+
+/// Whether a file may be an image by what it holds, however it is called.
+bool may_be_image(const std::string& path);
 bool is_video(const std::string& path);
 
 /// The grey frames of a video, one after the other.

@@ -79,6 +79,17 @@ std::vector<StereoMoment> moments_of(const std::vector<ImageFile>& left, const s
   return moments;
 }
 
+// Files that are no images, among others: they are named here, for they have no number that a pair could be found by.
+std::size_t leave_out_unreadable(std::vector<ImageFile>& files) {
+  if (files.size() < 2) return 0;
+  return std::erase_if(files, [](const ImageFile& file) {
+    std::string reason;
+    const bool no_image = !file.video && !may_be_image(file.path) && read_gray(file.path, reason).empty();
+    if (no_image) say_warning(fmt::format("{}: {}; the pair is left out", file.path, reason));
+    return no_image;
+  });
+}
+
 // Results among the images would be taken for images by the next run.
 void refuse_output_among(const std::vector<ImageFile>& files, const std::string& output) {
   std::error_code ignored;
@@ -94,9 +105,9 @@ void refuse_output_among(const std::vector<ImageFile>& files, const std::string&
 }
 
 void run(const Flags& flags) {
-  const std::vector<ImageFile> left = files_of(0, flags.left);
-  const std::vector<ImageFile> right = files_of(1, flags.right);
-  const std::vector<ImageFile> lit = flags.laser.empty() ? std::vector<ImageFile>() : files_of(0, flags.laser);
+  std::vector<ImageFile> left = files_of(0, flags.left);
+  std::vector<ImageFile> right = files_of(1, flags.right);
+  std::vector<ImageFile> lit = flags.laser.empty() ? std::vector<ImageFile>() : files_of(0, flags.laser);
   std::vector<std::string> videos;
   std::size_t sequences = 0;
   for (const std::vector<ImageFile>* files : {&left, &right, &lit}) {
@@ -107,6 +118,7 @@ void run(const Flags& flags) {
   if (!videos.empty() && videos.size() < sequences) {
     throw Error(ErrorKind::kBadInput, "is a video, and others are images; give videos of all, or images", videos[0]);
   }
+  const bool any_unreadable = leave_out_unreadable(left) + leave_out_unreadable(right) + leave_out_unreadable(lit) > 0;
   std::vector<ImageFile> both = left;
   both.insert(both.end(), right.begin(), right.end());
   refuse_shared_images(both, {"left", "right"});
@@ -118,6 +130,7 @@ void run(const Flags& flags) {
     for (const StereoMoment& moment : moments) reconstruction.take(moment, moments.size() == 1);
   }
   reconstruction.finish();
+  if (any_unreadable) throw GateFailed{};
 }
 
 }  // namespace

@@ -71,6 +71,32 @@ std::optional<std::array<Eigen::Vector2d, 2>> basis_at(const std::vector<Ellipse
   return std::nullopt;
 }
 
+// Of the four places around an ellipse, those where there is one of its like.
+int neighbours_of(const std::vector<Ellipse>& ellipses, std::size_t seed) {
+  const auto basis = basis_at(ellipses, seed);
+  if (!basis) return 0;
+  const double reach = kReachShare * std::min((*basis)[0].norm(), (*basis)[1].norm());
+  int neighbours = 0;
+  for (const Eigen::Vector2d& step : *basis) {
+    for (const double sign : {1.0, -1.0}) {
+      neighbours += nearest(ellipses, ellipses[seed], ellipses[seed].centre + sign * step, reach).has_value();
+    }
+  }
+  return neighbours;
+}
+
+// Ellipses amid others first: a blob beside the board, whose steps lead into it askew, comes too late to take its circles.
+std::vector<std::size_t> seeds_of(const std::vector<Ellipse>& ellipses) {
+  std::vector<int> neighbours;
+  std::vector<std::size_t> seeds;
+  for (std::size_t i = 0; i < ellipses.size(); ++i) {
+    neighbours.push_back(neighbours_of(ellipses, i));
+    seeds.push_back(i);
+  }
+  std::ranges::stable_sort(seeds, std::greater{}, [&](std::size_t i) { return neighbours[i]; });
+  return seeds;
+}
+
 // From neighbour to neighbour; each ellipse hands its own steps on to the next.
 Lattice grow(const std::vector<Ellipse>& ellipses, std::size_t seed, std::vector<char>& used) {
   struct Open {
@@ -155,10 +181,11 @@ struct Sheet {
   std::vector<int> ids;
   explicit Sheet(const std::vector<Cell>& cells) {
     for (const Cell& cell : cells) bounds.add(cell);
-    ids.assign(static_cast<std::size_t>(width()) * (bounds.high.second - bounds.low.second + 1), -1);
+    ids.assign(static_cast<std::size_t>(width()) * height(), -1);
     for (std::size_t id = 0; id < cells.size(); ++id) ids[index(cells[id])] = static_cast<int>(id);
   }
   int width() const { return bounds.high.first - bounds.low.first + 1; }
+  int height() const { return bounds.high.second - bounds.low.second + 1; }
   std::size_t index(const Cell& cell) const {
     return static_cast<std::size_t>(cell.second - bounds.low.second) * width() + (cell.first - bounds.low.first);
   }
@@ -239,7 +266,7 @@ std::vector<std::size_t> largest_of(const std::vector<Ellipse>& ellipses, std::s
 CircleMatch match_of(const std::vector<Ellipse>& ellipses, const CirclePattern& pattern) {
   std::vector<char> used(ellipses.size(), 0);
   Lattice largest;
-  for (std::size_t seed = 0; seed < ellipses.size(); ++seed) {
+  for (const std::size_t seed : seeds_of(ellipses)) {
     if (used[seed]) continue;
     Lattice lattice = grow(ellipses, seed, used);
     if (lattice.ellipse_at.size() > largest.ellipse_at.size()) largest = std::move(lattice);
@@ -269,9 +296,11 @@ CircleMatch match_of(const std::vector<Ellipse>& ellipses, const CirclePattern& 
   }
   Bounds bounds;
   for (const auto& [cell, ellipse] : largest.ellipse_at) bounds.add(cell);
-  match.hint = fmt::format("{} circles seen in a lattice of {} x {}, where the board has {}: check columns and rows",
-                           seen, bounds.high.first - bounds.low.first + 1, bounds.high.second - bounds.low.second + 1,
-                           pattern.cells.size());
+  const int wide = bounds.high.first - bounds.low.first + 1, high = bounds.high.second - bounds.low.second + 1;
+  const bool as_asked = std::minmax(wide, high) == std::minmax(sheet.width(), sheet.height());
+  match.hint = fmt::format(
+      "{} circles seen in a lattice of {} x {}, where the board has {}: {}", seen, wide, high, pattern.cells.size(),
+      as_asked ? "some are hidden, cut by the image's edge, or blurred" : "check columns and rows");
   return match;
 }
 

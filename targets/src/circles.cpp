@@ -16,6 +16,8 @@ namespace raybundle {
 namespace {
 
 constexpr double kNeighbourhood = 2.3;    // spacings: about five by five circles
+constexpr double kWidest = 3.5;           // in the corners of grids whose rows are farther apart
+constexpr int kFewestNeighbours = 7;      // a quadratic map has six terms
 constexpr double kFarthestShare = 0.25;   // of the spacing, from the predicted place
 constexpr double kRadiusTolerance = 0.3;  // of a circle's radius against the median
 constexpr double kShiftError = 0.1;       // of the centre's shift: what the local map does not tell
@@ -59,18 +61,23 @@ std::optional<CentreShift> shift_at(const std::map<int, Eigen::Vector2d>& pixels
                                     const Eigen::Matrix2d& shape) {
   Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Matrix<double, 6, 2> right = Eigen::Matrix<double, 6, 2>::Zero();
-  int count = 0;
+  const auto place_of = [&](int other) -> Eigen::Vector2d {
+    return (pattern.x_in_board[other] - pattern.x_in_board[id]) / pattern.spacing_m;
+  };
+  const auto within = [&](double reach) {
+    return std::ranges::count_if(pixels, [&](const auto& entry) { return place_of(entry.first).norm() <= reach; });
+  };
+  const double reach = within(kNeighbourhood) >= kFewestNeighbours ? kNeighbourhood : kWidest;
+  if (within(reach) < kFewestNeighbours) return std::nullopt;
   for (const auto& [other, pixel] : pixels) {
-    const Eigen::Vector2d u = (pattern.x_in_board[other] - pattern.x_in_board[id]) / pattern.spacing_m;
-    if (u.norm() > kNeighbourhood) continue;
+    const Eigen::Vector2d u = place_of(other);
+    if (u.norm() > reach) continue;
     Eigen::Matrix<double, 6, 1> terms;
     terms << 1.0, u.x(), u.y(), 0.5 * u.x() * u.x(), u.x() * u.y(), 0.5 * u.y() * u.y();
     const double weight = std::exp(-0.3 * u.squaredNorm());
     normal += weight * terms * terms.transpose();
     right += weight * terms * (pixel - pixels.at(id)).transpose();
-    ++count;
   }
-  if (count < 7) return std::nullopt;
   const Eigen::Matrix<double, 6, 2> map = normal.ldlt().solve(right);
   if (!map.allFinite()) return std::nullopt;
   Eigen::Matrix2d jacobian;

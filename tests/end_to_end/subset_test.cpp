@@ -64,6 +64,39 @@ TEST_F(Subsets, ExtrinsicsOnlyFromAnEarlierCalibration) {
   EXPECT_FALSE(camera_in(after, "left").at("sigmas").contains("fx")) << "a fixed parameter has no sigma";
 }
 
+// Boards keep their shape, and values that the corners contradict are named as those that were typed.
+TEST_F(Subsets, WhatIsKeptWithoutAValueHasThatOfTheStart) {
+  calibrate(place, with(all, kBrown));
+  const nlohmann::json before = calibration();
+  const fs::path again = fresh_folder() / "again";
+  fs::create_directories(again);
+  const auto from_start = [&](const char* pattern) {
+    write_text(again / "start.json", text_of(place / "out" / "calibration.json"));
+    return calibrate(again, with(all, {"--model", "brown_conrady", "--start", (again / "start.json").string(), "--fix",
+                                       pattern}))["warnings"]
+        .dump();
+  };
+  EXPECT_EQ(from_start("board.shape").find("is kept at"), std::string::npos);
+  const nlohmann::json after = json_of(again / "out" / "calibration.json");
+  EXPECT_EQ(after["targets"][0]["shape"], before["targets"][0]["shape"]);
+  ASSERT_NE(before["targets"][0]["shape"]["bend_y_m"], 0.0);
+  calibrate(place, with(all, {"--model", "brown_conrady", "--fix", "left.cx=310"}));
+  EXPECT_NE(from_start("left.intrinsics").find("left.cx is kept at 310"), std::string::npos);
+}
+
+TEST_F(Subsets, RulesThatSayNothingAreNamed) {
+  std::vector<std::string> both = with(all, {"--model", "brown_conrady", "--fix", "left.cx=320", "--prior",
+                                             "left.cx=330:5", "-o", (place / "out").string()});
+  both.insert(both.begin(), "calibrate");
+  EXPECT_NE(raybundle_program(both).err.find("'left.cx' is without effect"), std::string::npos);
+  std::vector<std::string> group =
+      with(all, {"--model", "brown_conrady", "--fix", "*.intrinsics=500", "-o", (place / "out").string()});
+  group.insert(group.begin(), "calibrate");
+  const ProgramRun refused = raybundle_program(group);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("which cannot have one value"), std::string::npos) << refused.err;
+}
+
 TEST_F(Subsets, FixedParametersStayAndPriorsPull) {
   calibrate(place, with(all, {"--model", "brown_conrady", "--fix", "*.k3=0", "--fix", "left.cx=340", "--prior",
                               "right.fx=540:0.01"}));

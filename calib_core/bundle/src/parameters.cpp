@@ -49,6 +49,14 @@ void require_focal_length(const ParameterRule& rule, const ParameterBlock& block
                                         ", a focal length, to zero or less; give the focal length in pixels");
 }
 
+// Centres, focal lengths and coefficients have no value in common, but nothing.
+void refuse_value_of_group(const ParameterRule& rule, const ParameterBlock& block) {
+  const bool of_group = block.kind != ParameterBlock::Kind::kShape && matches_pattern(block.group, rule.pattern);
+  if (!of_group || rule.value.value_or(0.0) == 0.0) return;
+  throw Error(ErrorKind::kBadInput, "'" + rule.pattern + "' names all of " + block.group +
+                                        ", which cannot have one value; name one, as " + block.parameters[0].name);
+}
+
 void apply_rule(const ParameterRule& rule, std::vector<ParameterBlock>& blocks) {
   if (rule.kind == RuleKind::kPrior && !(rule.sigma > 0.0)) {
     throw Error(ErrorKind::kBadInput, "the prior on '" + rule.pattern + "' needs a sigma above zero");
@@ -63,6 +71,7 @@ void apply_rule(const ParameterRule& rule, std::vector<ParameterBlock>& blocks) 
     for (std::size_t i = 0; i < block.parameters.size(); ++i) {
       Parameter& parameter = block.parameters[i];
       if (!speaks_of(rule, block, parameter)) continue;
+      refuse_value_of_group(rule, block);
       require_focal_length(rule, block, i);
       parameter.kind = rule.kind;
       parameter.value = rule.kind == RuleKind::kFree ? std::nullopt : rule.value;

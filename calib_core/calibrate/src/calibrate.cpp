@@ -15,6 +15,7 @@
 #include "content_order.hpp"
 #include "further_measurements.hpp"
 #include "joint_solve.hpp"
+#include "kept_values.hpp"
 #include "prior_weight.hpp"
 #include "raybundle/bundle/parameters.hpp"
 #include "raybundle/calibrate/data_warnings.hpp"
@@ -324,50 +325,15 @@ CalibrationResult calibrate_weighing_priors(const CalibrationProblem& problem, c
   return result;
 }
 
-// Parameters that are kept at values which the corners do not bear out: residuals are larger than without, by far more
-// than a coefficient that is left out for good reasons costs.
+// What corners say of values that are kept against them.
 std::vector<std::string> contradicted_values(const CalibrationProblem& problem, const CalibrateOptions& options,
                                              const CalibrationResult& result) {
-  constexpr double kMuchLarger = 1.2;
-  const auto is_given = [](const auto& rule) { return rule.kind == ParameterRule::Kind::kFixed && rule.value; };
-  if (std::ranges::none_of(problem.rules, is_given)) return {};
-  CalibrationProblem freed = problem;
-  std::erase_if(freed.rules, is_given);
-  double times = 0.0;
+  if (!keeps_values(problem)) return {};
+  const CalibrationProblem freed = without_kept_values(problem);
   try {
-    times = corner_noise(problem, result) / corner_noise(freed, calibrate_weighing_priors(freed, options));
+    return contradictions(problem, result, freed, calibrate_weighing_priors(freed, options));
   } catch (const Error&) {  // the data do not determine what was given
     return {};
-  }
-  if (!(times > kMuchLarger)) return {};
-  std::string given;
-  for (const ParameterBlock& block : parameter_blocks(problem)) {
-    for (const Parameter& parameter : block.parameters) {
-      if (is_given(parameter))
-        given += fmt::format("{}{}={:g}", given.empty() ? "" : ", ", parameter.name, *parameter.value);
-    }
-  }
-  return {
-      fmt::format("corners fit {:.1f} times worse with {} than with what they say themselves; check the value and its "
-                  "unit, or free it",
-                  times, given)};
-}
-
-// What is to be kept needs a value: the search would keep what it happened to start with.
-void require_values(const CalibrationProblem& problem) {
-  for (const ParameterBlock& block : parameter_blocks(problem)) {
-    const bool of_lens = block.kind == ParameterBlock::Kind::kIntrinsics;
-    const bool of_place = block.kind == ParameterBlock::Kind::kCameraFromRig && block.owner > 0;
-    if (!of_lens && !of_place) continue;
-    const ProblemCamera& camera = problem.cameras[block.owner];
-    if (of_lens ? camera.parameters.has_value() : camera.camera_from_rig.has_value()) continue;
-    for (const Parameter& parameter : block.parameters) {
-      if (parameter.kind == ParameterRule::Kind::kFree || parameter.value) continue;
-      throw Error(
-          ErrorKind::kBadInput,
-          fmt::format("'{0}' is to be kept, but at which value? Write {0}=VALUE, or give start values (--start)",
-                      parameter.name));
-    }
   }
 }
 

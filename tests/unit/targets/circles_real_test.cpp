@@ -34,6 +34,20 @@ TEST_P(RealCircles, AreFoundInEveryImage) {
   }
 }
 
+// What lies beside the board comes first in the image then, or last.
+TEST_P(RealCircles, AreFoundHoweverTheImageLies) {
+  const CircleSet& set = GetParam();
+  const auto files = testing::real_images(set.folder, set.prefix);
+  RAYBUNDLE_NEEDS_IMAGES(files, set.folder);
+  const auto points = static_cast<double>(target_of(set.board).points.size());
+  for (const auto& file : files) {
+    cv::Mat turned;
+    cv::rotate(testing::grey_image(file), turned, cv::ROTATE_180);
+    const Detection detection = detect(set.board, turned);
+    EXPECT_GE(static_cast<double>(detection.observations.size()), 0.9 * points) << file << " " << detection.hint;
+  }
+}
+
 // BoofCV counts rows and columns of its hexagonal grid by half steps, with y up: the mirror image of ours.
 INSTANTIATE_TEST_SUITE_P(
     Sets, RealCircles,

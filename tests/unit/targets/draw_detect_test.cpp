@@ -66,6 +66,7 @@ TEST_P(DrawnBoard, IsDetectedWithTheIdsItWasDrawnWith) {
 INSTANTIATE_TEST_SUITE_P(
     Kinds, DrawnBoard,
     testing::Values(Case{"chessboard:9x6:25mm", 0.025}, Case{"chessboard:8x6:25mm", 0.025},
+                    Case{"asymmetric_circles:4x11:15mm:row_step=20mm", 0.015},
                     Case{"charuco:8x8:20mm:15mm:DICT_4X4_1000", 0.020},
                     Case{"charuco:8x8:20mm:15mm:DICT_4X4_1000:legacy", 0.020},
                     Case{"charuco:5x4:20mm:15mm:DICT_4X4_1000:inverted", 0.020},

@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#include "given_values.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+#include <vector>
+
+#include "raybundle/bundle/parameters.hpp"
+#include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/rotation.hpp"
+#include "raybundle/io/calibration_file.hpp"
+#include "terminal.hpp"
+
+namespace raybundle::apps {
+namespace {
+
+double value_in(const ParameterBlock& block, std::size_t index, const Calibration& calibration,
+                const CalibrationProblem& problem) {
+  const auto i = static_cast<Eigen::Index>(index);
+  if (block.kind == ParameterBlock::Kind::kShape) {
+    const std::string& name = problem.targets[block.owner].name;
+    const auto known =
+        std::ranges::find(calibration.targets, name, [](const auto& board) { return board.target.name; });
+    return known == calibration.targets.end() ? 0.0 : known->shape.sags()[i];
+  }
+  const RigCamera& camera = camera_named(calibration, problem.cameras[block.owner].name);
+  if (block.kind == ParameterBlock::Kind::kIntrinsics) return camera.camera.parameters[i];
+  const Eigen::Vector3d turn = vector_from_rotation(camera.camera_from_rig.rotation.toRotationMatrix());
+  return i < 3 ? turn[i] : camera.camera_from_rig.translation[i - 3];
+}
+
+// What is kept without a value has that of the start: boards keep their shape, too, and what corners contradict can be
+// named.
+void keep_at_start(const Calibration& start, CalibrationProblem& problem) {
+  std::vector<ParameterRule> values;
+  for (const ParameterBlock& block : parameter_blocks(problem)) {
+    if (block.kind == ParameterBlock::Kind::kCameraFromRig && block.owner == 0) continue;
+    for (std::size_t i = 0; i < block.parameters.size(); ++i) {
+      const Parameter& parameter = block.parameters[i];
+      if (parameter.kind == ParameterRule::Kind::kFree || parameter.value) continue;
+      values.push_back({parameter.name, parameter.kind, value_in(block, i, start, problem), parameter.sigma});
+    }
+  }
+  std::erase_if(problem.rules,
+                [](const ParameterRule& rule) { return rule.kind != ParameterRule::Kind::kFree && !rule.value; });
+  std::ranges::move(values, std::back_inserter(problem.rules));
+}
+
+// Whether the parameters are the same for the solve.
+bool same(const std::vector<ParameterBlock>& a, const std::vector<ParameterBlock>& b) {
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    for (std::size_t i = 0; i < a[k].parameters.size(); ++i) {
+      const Parameter &one = a[k].parameters[i], &other = b[k].parameters[i];
+      if (one.kind != other.kind || one.value != other.value || one.sigma != other.sigma) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+void take_start(const std::string& path, CalibrationProblem& problem) {
+  const Calibration start = read_calibration(path).calibration;
+  for (ProblemCamera& camera : problem.cameras) {
+    const RigCamera& known = camera_named(start, camera.name);
+    if (known.camera.model != camera.model) {
+      throw Error(ErrorKind::kBadInput, fmt::format("camera {} is a {} in {}, but --model says {}", camera.name,
+                                                    model_name(known.camera.model), path, model_name(camera.model)));
+    }
+    if (known.camera.size != camera.size) {
+      throw Error(ErrorKind::kBadInput,
+                  fmt::format("camera {} has {}x{} images, but {}x{} in {}; start from a calibration of images of the "
+                              "same size",
+                              camera.name, camera.size.width, camera.size.height, known.camera.size.width,
+                              known.camera.size.height, path));
+    }
+    camera.parameters = known.camera.parameters;
+    camera.camera_from_rig = known.camera_from_rig;
+  }
+  keep_at_start(start, problem);
+}
+
+void warn_of_void_rules(const CalibrationProblem& problem) {
+  const std::vector<ParameterBlock> blocks = parameter_blocks(problem);
+  for (std::size_t i = 0; i < problem.rules.size(); ++i) {
+    const ParameterRule& rule = problem.rules[i];
+    CalibrationProblem without;
+    without.cameras = problem.cameras;
+    without.targets = problem.targets;
+    without.rules = problem.rules;
+    without.rules.erase(without.rules.begin() + static_cast<std::ptrdiff_t>(i));
+    if (rule.kind == ParameterRule::Kind::kFree || !same(blocks, parameter_blocks(without))) continue;
+    say_warning(
+        fmt::format("the {} '{}' is without effect: another rule says the same or overrides it (--prior overrides "
+                    "--free, and that --fix), or it is the place of the first camera, which defines the rig",
+                    rule.kind == ParameterRule::Kind::kPrior ? "prior on" : "value kept for", rule.pattern));
+  }
+}
+
+}  // namespace raybundle::apps
