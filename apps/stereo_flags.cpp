@@ -34,8 +34,9 @@ std::vector<std::string> cost_names() {
 
 void declare_rectify_flags(CLI::App& verb, RectifyFlags& flags) {
   flags.options = {
-      verb.add_option("--left", flags.left, "name of the left camera; the first one unless said")->type_name("NAME"),
-      verb.add_option("--right", flags.right, "name of the right camera; the second one unless said")
+      verb.add_option("--left", flags.left, "name of the left camera; of two cameras the first one unless said")
+          ->type_name("NAME"),
+      verb.add_option("--right", flags.right, "name of the right camera; of two cameras the second one unless said")
           ->type_name("NAME"),
       verb.add_option("--projection", flags.projection, "pinhole or equirectangular; the advised one unless said")
           ->check(CLI::IsMember({"pinhole", "equirectangular"})),

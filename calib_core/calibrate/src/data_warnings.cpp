@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <limits>
 #include <map>
@@ -19,6 +20,7 @@
 namespace raybundle {
 namespace {
 
+constexpr double kUpsideDown_rad = 0.75 * M_PI;
 constexpr double kWidestSpacing_m = 1.0;      // boards are carried by hand
 constexpr double kNarrowestSpacing_m = 2e-4;  // and their points are told apart by eye
 
@@ -63,12 +65,22 @@ std::vector<std::string> shared_image_warnings(const CalibrationProblem& problem
   return warnings;
 }
 
-// Cameras called left and right that lie the other way round: their images were exchanged, or both hang upside down.
+// Cameras called left and right of which one hangs upside down, or that lie the other way round: their images were
+// exchanged, or both hang upside down.
 std::string exchanged_sides_warning(const Calibration& calibration) {
   const auto named = [&](const char* name) { return std::ranges::find(calibration.cameras, name, &RigCamera::name); };
   const auto left = named("left"), right = named("right");
   if (left == calibration.cameras.end() || right == calibration.cameras.end()) return {};
-  const Eigen::Vector3d right_in_left = (left->camera_from_rig * right->camera_from_rig.inverse()).translation;
+  const Rigid3 left_from_right = left->camera_from_rig * right->camera_from_rig.inverse();
+  const Eigen::Matrix3d turn = left_from_right.rotation.toRotationMatrix();
+  const double about_sight_rad = std::atan2(turn(1, 0) - turn(0, 1), turn(0, 0) + turn(1, 1));
+  if (std::abs(about_sight_rad) > kUpsideDown_rad) {
+    return fmt::format(
+        "left and right are turned by {:.0f}° against each other about their line of sight: does one of them hang upside "
+        "down, or were its images turned?",
+        std::abs(about_sight_rad) * 180.0 / M_PI);
+  }
+  const Eigen::Vector3d& right_in_left = left_from_right.translation;
   if (right_in_left.x() >= -right_in_left.tail<2>().norm()) return {};
   return fmt::format(
       "right lies {:.0f} mm to the left of left: are their images exchanged, or do both cameras hang upside down?",

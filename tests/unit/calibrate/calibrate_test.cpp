@@ -366,6 +366,20 @@ TEST(Calibrate, WarnsOfFewViews) {
   EXPECT_THAT(calibrate(synthetic_world(enough).problem).warnings, Not(Contains(HasSubstr("too few"))));
 }
 
+TEST(Calibrate, TellsACameraThatHangsUpsideDownFromExchangedOnes) {
+  using ::testing::Contains, ::testing::HasSubstr, ::testing::Not;
+  SyntheticOptions options = stereo(3);
+  const auto warnings = [&] {
+    CalibrationProblem problem = synthetic_world(options).problem;
+    problem.cameras[0].name = "left";
+    problem.cameras[1].name = "right";
+    return calibrate(problem).warnings;
+  };
+  EXPECT_THAT(warnings(), Not(Contains(HasSubstr("upside down"))));
+  options.cameras[1].camera_from_rig.rotation = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ());
+  EXPECT_THAT(warnings(), Contains(HasSubstr("turned by 180° against each other")));
+}
+
 // The corners of another board, of as many rows and columns: tags stand apart by other than their own size.
 TEST(Calibrate, WarnsOfCornersThatAreNotThoseOfTheBoard) {
   using ::testing::Contains, ::testing::HasSubstr, ::testing::Not;
