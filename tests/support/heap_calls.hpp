@@ -7,7 +7,6 @@
 // it in one source of a binary only: it stands in for the library's functions. Sanitizers have the heap for themselves:
 // under them nothing is counted.
 #include <atomic>
-#include <cerrno>
 #include <cstdlib>
 
 namespace raybundle::testing {
@@ -21,31 +20,26 @@ inline constexpr bool kHeapIsCounted = false;
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 extern "C" {
-void* __libc_malloc(std::size_t size) noexcept;
-void* __libc_calloc(std::size_t count, std::size_t size) noexcept;
-void* __libc_realloc(void* memory, std::size_t size) noexcept;
-void* __libc_memalign(std::size_t alignment, std::size_t size) noexcept;
+void* library_malloc(std::size_t size) noexcept __asm__("__libc_malloc");
+void* library_calloc(std::size_t count, std::size_t size) noexcept __asm__("__libc_calloc");
+void* library_realloc(void* memory, std::size_t size) noexcept __asm__("__libc_realloc");
+void* library_memalign(std::size_t alignment, std::size_t size) noexcept __asm__("__libc_memalign");
 
 void* malloc(std::size_t size) noexcept {
   ++raybundle::testing::heap_calls;
-  return __libc_malloc(size);
+  return library_malloc(size);
 }
 void* calloc(std::size_t count, std::size_t size) noexcept {
   ++raybundle::testing::heap_calls;
-  return __libc_calloc(count, size);
+  return library_calloc(count, size);
 }
 void* realloc(void* memory, std::size_t size) noexcept {
   ++raybundle::testing::heap_calls;
-  return __libc_realloc(memory, size);
+  return library_realloc(memory, size);
 }
 void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
   ++raybundle::testing::heap_calls;
-  return __libc_memalign(alignment, size);
-}
-int posix_memalign(void** memory, std::size_t alignment, std::size_t size) noexcept {
-  ++raybundle::testing::heap_calls;
-  *memory = __libc_memalign(alignment, size);
-  return *memory == nullptr ? ENOMEM : 0;
+  return library_memalign(alignment, size);
 }
 }
 #endif

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "survey_stage.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -45,7 +47,8 @@ std::vector<SurveyImage> place_images(const Calibration& calibration, const Surv
     const auto& [image, camera] = place;
     const auto found = std::ranges::find(calibration.cameras, camera, &RigCamera::name);
     if (found == calibration.cameras.end()) {
-      not_placed.push_back("the landmarks in " + image + " are left out: camera '" + camera + "' is not calibrated");
+      not_placed.push_back(
+          fmt::format("the landmarks in {} are left out: camera '{}' is not calibrated", image, camera));
       continue;
     }
     std::ranges::sort(sightings, {}, &Sighting::landmark);  // the bits do not depend on the order of the table
@@ -54,10 +57,10 @@ std::vector<SurveyImage> place_images(const Calibration& calibration, const Surv
       PlacedImages placed = check_survey(calibration, *found, part);
       std::ranges::move(placed.images, std::back_inserter(images));
       for (const std::string& why : placed.not_placed) {
-        not_placed.push_back("the landmarks in " + image + " are left out: " + why);
+        not_placed.push_back(fmt::format("the landmarks in {} are left out: {}", image, why));
       }
     } catch (const Error& error) {
-      not_placed.push_back("the landmarks in " + image + " are left out: " + error.what());
+      not_placed.push_back(fmt::format("the landmarks in {} are left out: {}", image, error.what()));
     }
   }
   return images;
@@ -96,7 +99,7 @@ Rigid3 add_frame(const std::vector<const SurveyImage*>& images, const Survey& su
     return std::pair(!std::isnan(image->pose_sigma[3]),
                      std::ranges::count(image->landmarks, true, &LandmarkResidual::used));
   });
-  const Rigid3 rig_from_local = state.camera_from_rig[camera_of(best)].inverse() * best.camera_from_local;
+  Rigid3 rig_from_local = state.camera_from_rig[camera_of(best)].inverse() * best.camera_from_local;
 
   const int frame = static_cast<int>(problem.frames.size()), target_index = static_cast<int>(problem.targets.size());
   problem.frames.push_back(best.image);
