@@ -53,10 +53,9 @@ std::vector<Line3> lines_of(const LaserPattern& laser) {
     lines.push_back(beam.line);
     determined[static_cast<std::size_t>(laser.grid.index(beam.row, beam.column))] = true;
   }
-  for (int beam = 0; laser.grating && beam < laser.grid.size(); ++beam) {
+  for (int beam = 0; beam < laser.grid.size(); ++beam) {
     if (determined[static_cast<std::size_t>(beam)]) continue;
-    const auto line = beam_of_order(*laser.grating, laser.grid.column(beam) - laser.zero_order_column,
-                                    laser.grid.row(beam) - laser.zero_order_row);
+    const auto line = line_of_model(laser, laser.grid.row(beam), laser.grid.column(beam));
     if (line) lines.push_back(*line);
   }
   return lines;

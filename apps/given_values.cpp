@@ -6,43 +6,32 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "raybundle/bundle/parameters.hpp"
 #include "raybundle/geometry/error.hpp"
-#include "raybundle/geometry/rotation.hpp"
 #include "raybundle/io/calibration_file.hpp"
+#include "raybundle/scene/parameter_names.hpp"
 #include "terminal.hpp"
 
 namespace raybundle::apps {
 namespace {
 
-double value_in(const ParameterBlock& block, std::size_t index, const Calibration& calibration,
-                const CalibrationProblem& problem) {
-  const auto i = static_cast<Eigen::Index>(index);
-  if (block.kind == ParameterBlock::Kind::kShape) {
-    const std::string& name = problem.targets[block.owner].name;
-    const auto known =
-        std::ranges::find(calibration.targets, name, [](const auto& board) { return board.target.name; });
-    return known == calibration.targets.end() ? 0.0 : known->shape.sags()[i];
-  }
-  const RigCamera& camera = camera_named(calibration, problem.cameras[block.owner].name);
-  if (block.kind == ParameterBlock::Kind::kIntrinsics) return camera.camera.parameters[i];
-  const Eigen::Vector3d turn = vector_from_rotation(camera.camera_from_rig.rotation.toRotationMatrix());
-  return i < 3 ? turn[i] : camera.camera_from_rig.translation[i - 3];
-}
-
 // What is kept without a value has that of the start: boards keep their shape, too, and what corners contradict can be
 // named.
 void keep_at_start(const Calibration& start, CalibrationProblem& problem) {
+  const std::map<std::string, double> at_start = parameter_values(start);
   std::vector<ParameterRule> values;
   for (const ParameterBlock& block : parameter_blocks(problem)) {
     if (block.kind == ParameterBlock::Kind::kCameraFromRig && block.owner == 0) continue;
-    for (std::size_t i = 0; i < block.parameters.size(); ++i) {
-      const Parameter& parameter = block.parameters[i];
+    for (const Parameter& parameter : block.parameters) {
       if (parameter.kind == ParameterRule::Kind::kFree || parameter.value) continue;
-      values.push_back({parameter.name, parameter.kind, value_in(block, i, start, problem), parameter.sigma});
+      const auto value = at_start.find(parameter.name);  // none of a board that the start does not know, which is flat
+      values.push_back(
+          {parameter.name, parameter.kind, value == at_start.end() ? 0.0 : value->second, parameter.sigma});
     }
   }
   std::erase_if(problem.rules,

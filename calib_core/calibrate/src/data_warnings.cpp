@@ -67,7 +67,7 @@ std::vector<std::string> shared_image_warnings(const CalibrationProblem& problem
 
 // Cameras called left and right of which one hangs upside down, or that lie the other way round: their images were
 // exchanged, or both hang upside down.
-std::string exchanged_sides_warning(const Calibration& calibration) {
+std::string sides_warning(const Calibration& calibration) {
   const auto named = [&](const char* name) { return std::ranges::find(calibration.cameras, name, &RigCamera::name); };
   const auto left = named("left"), right = named("right");
   if (left == calibration.cameras.end() || right == calibration.cameras.end()) return {};
@@ -222,7 +222,7 @@ std::vector<std::string> data_warnings(const CalibrationProblem& problem, const 
   std::vector<std::string> one_camera_twice = shared_image_warnings(problem);
   if (one_camera_twice.empty()) one_camera_twice = same_place_warnings(result.calibration);
   std::ranges::move(one_camera_twice, std::back_inserter(warnings));
-  if (std::string warning = exchanged_sides_warning(result.calibration); !warning.empty()) {
+  if (std::string warning = sides_warning(result.calibration); !warning.empty()) {
     warnings.push_back(std::move(warning));
   }
   std::ranges::copy(exchanged_frames_warnings(problem, result), std::back_inserter(warnings));

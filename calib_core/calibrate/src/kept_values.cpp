@@ -13,7 +13,6 @@
 #include "prior_weight.hpp"
 #include "raybundle/bundle/parameters.hpp"
 #include "raybundle/geometry/error.hpp"
-#include "raybundle/geometry/rotation.hpp"
 #include "raybundle/scene/parameter_names.hpp"
 
 namespace raybundle {
@@ -23,23 +22,6 @@ constexpr double kMuchLarger = 1.2;  // residuals
 constexpr double kManySigmas = 5.0;
 
 bool keeps_value(const ParameterRule& rule) { return rule.kind == ParameterRule::Kind::kFixed && rule.value; }
-
-// The names and values of all parameters; of extrinsics the components of the rotation vector and the translation.
-std::map<std::string, double> values_of(const Calibration& calibration) {
-  std::map<std::string, double> values;
-  const auto add = [&](const std::vector<std::string>& names, const Eigen::VectorXd& of_names) {
-    for (std::size_t i = 0; i < names.size(); ++i) values[names[i]] = of_names[static_cast<Eigen::Index>(i)];
-  };
-  for (const RigCamera& camera : calibration.cameras) {
-    add(intrinsic_names(camera), camera.camera.parameters);
-    Eigen::VectorXd place(6);
-    place << vector_from_rotation(camera.camera_from_rig.rotation.toRotationMatrix()),
-        camera.camera_from_rig.translation;
-    add(extrinsic_names(camera), place);
-  }
-  for (const CalibratedTarget& board : calibration.targets) add(shape_names(board.target.name), board.shape.sags());
-  return values;
-}
 
 // What the corners say of a parameter that is kept elsewhere.
 struct Contradiction {
@@ -52,7 +34,7 @@ struct Contradiction {
 // The worst, by how the frames scatter where that is known: nothing where no kept parameter is told by corners.
 std::optional<Contradiction> worst_contradiction(const CalibrationProblem& problem, const Calibration& freed) {
   const Covariance& known = freed.covariance_by_frame ? *freed.covariance_by_frame : freed.covariance;
-  const std::map<std::string, double> values = values_of(freed);
+  const std::map<std::string, double> values = parameter_values(freed);
   std::optional<Contradiction> worst;
   for (const ParameterBlock& block : parameter_blocks(problem)) {
     for (const Parameter& parameter : block.parameters) {

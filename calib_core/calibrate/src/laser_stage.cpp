@@ -111,9 +111,8 @@ bool mark_outliers(const CalibrationProblem& problem, double limit, BundleState&
 }
 
 /// Line of a beam by the common model, its point as near as it comes to the place given.
-std::optional<Line3> line_of_model(const LaserPattern& pattern, int beam, const Eigen::Vector3d& near) {
-  std::optional<Line3> line = beam_of_order(*pattern.grating, pattern.grid.column(beam) - pattern.zero_order_column,
-                                            pattern.grid.row(beam) - pattern.zero_order_row);
+std::optional<Line3> line_of_model_near(const LaserPattern& pattern, int beam, const Eigen::Vector3d& near) {
+  std::optional<Line3> line = line_of_model(pattern, pattern.grid.row(beam), pattern.grid.column(beam));
   if (line) line->point += line->direction.dot(near - line->point) * line->direction;
   return line;
 }
@@ -129,7 +128,7 @@ std::vector<std::optional<BeamPrior>> priors_of(const LaserPattern& pattern, con
     if (!state.beams[b]) continue;
     const bool strong = hits[b].count() >= kHitsOfStrong && hits[b].depth_m() >= kStrongDepth_m;
     if (!strong) weak.push_back(b);
-    const std::optional<Line3> model = line_of_model(pattern, b, state.beams[b]->point);
+    const std::optional<Line3> model = line_of_model_near(pattern, b, state.beams[b]->point);
     if (!strong || !model) continue;
     const Eigen::Vector4d motion = motion_between(*model, *state.beams[b]);
     offset_m = std::max(offset_m, motion.head<2>().norm());
@@ -140,7 +139,7 @@ std::vector<std::optional<BeamPrior>> priors_of(const LaserPattern& pattern, con
   if (strong_beams < kFewestStrong) return priors;
   const Eigen::Vector4d sigma = kLooseness * Eigen::Vector4d(offset_m, offset_m, slope_rad, slope_rad);
   for (const int b : weak) {
-    const std::optional<Line3> model = line_of_model(pattern, b, state.beams[b]->point);
+    const std::optional<Line3> model = line_of_model_near(pattern, b, state.beams[b]->point);
     if (model) priors[b] = BeamPrior{*model, sigma.cwiseAbs2().cwiseInverse().asDiagonal()};
   }
   return priors;

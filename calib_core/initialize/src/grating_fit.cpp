@@ -9,6 +9,7 @@ namespace raybundle {
 namespace {
 
 constexpr int kParameters = 12;
+constexpr std::size_t kFewestLines = 9;  // a grating has as many unknowns as two or three, and lines err
 using Step = Eigen::Matrix<double, kParameters, 1>;
 
 Grating moved(const Grating& grating, const Step& step) {
@@ -90,7 +91,7 @@ std::optional<Grating> start(const std::vector<OrderedLine>& lines) {
 
 std::optional<GratingFit> fit_grating(const std::vector<OrderedLine>& lines) {
   constexpr int kMaxIterations = 60;
-  if (lines.size() < kFewestOfModel) return std::nullopt;
+  if (lines.size() < kFewestLines) return std::nullopt;
   std::optional<Grating> grating = start(lines);
   if (!grating) return std::nullopt;
   std::optional<Eigen::VectorXd> error = residuals(*grating, lines);

@@ -21,13 +21,10 @@ struct GratingFit {
   double rms_rad = 0.0;  ///< angle between lines and model, as seen from the projector at the lines' points
 };
 
-/// Lines without which a grating is not looked for: it has as many unknowns as two or three lines, and they err.
-inline constexpr std::size_t kFewestOfModel = 9;
-
 /// The grating whose beams come nearest to the lines, by Levenberg-Marquardt from a lattice without a lens. The
 /// wavelength scale stays one: it is what later changes are measured against.
 ///
-/// @return  nothing with fewer than kFewestOfModel lines, or when the lines do not spread over both orders
+/// @return  nothing with too few lines to tell, or when the lines do not spread over both orders
 std::optional<GratingFit> fit_grating(const std::vector<OrderedLine>& lines);
 
 }  // namespace raybundle

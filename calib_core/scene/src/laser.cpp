@@ -19,14 +19,18 @@ std::optional<Line3> beam_of_order(const Grating& grating, double m, double n) {
   return grating.rig_from_projector * Line3{point, direction};
 }
 
+std::optional<Line3> line_of_model(const LaserPattern& pattern, int row, int column) {
+  if (!pattern.grating) return std::nullopt;
+  return beam_of_order(*pattern.grating, column - pattern.zero_order_column, row - pattern.zero_order_row);
+}
+
 LaserPattern at_wavelength(const LaserPattern& pattern, double scale) {
   assert(pattern.grating);
   LaserPattern moved = pattern;
   moved.grating->wavelength_scale = scale;
   for (LaserBeam& beam : moved.beams) {
-    const double m = beam.column - pattern.zero_order_column, n = beam.row - pattern.zero_order_row;
-    const std::optional<Line3> before = beam_of_order(*pattern.grating, m, n),
-                               after = beam_of_order(*moved.grating, m, n);
+    const std::optional<Line3> before = line_of_model(pattern, beam.row, beam.column),
+                               after = line_of_model(moved, beam.row, beam.column);
     if (before && after) beam.line = perturbed(*after, motion_between(*before, beam.line));
   }
   return moved;

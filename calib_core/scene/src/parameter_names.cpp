@@ -5,6 +5,8 @@
 #include <array>
 #include <string_view>
 
+#include "raybundle/geometry/rotation.hpp"
+
 namespace raybundle {
 namespace {
 
@@ -35,6 +37,22 @@ std::vector<std::string> extrinsic_names(const RigCamera& camera) { return extri
 
 std::vector<std::string> shape_names(const std::string& target) {
   return prefixed(target + ".", std::array{"bend_x", "bend_y", "twist"});
+}
+
+std::map<std::string, double> parameter_values(const Calibration& calibration) {
+  std::map<std::string, double> values;
+  const auto add = [&](const std::vector<std::string>& names, const Eigen::VectorXd& of_names) {
+    for (std::size_t i = 0; i < names.size(); ++i) values[names[i]] = of_names[static_cast<Eigen::Index>(i)];
+  };
+  for (const RigCamera& camera : calibration.cameras) {
+    add(intrinsic_names(camera), camera.camera.parameters);
+    Eigen::Matrix<double, 6, 1> place;
+    place << vector_from_rotation(camera.camera_from_rig.rotation.toRotationMatrix()),
+        camera.camera_from_rig.translation;
+    add(extrinsic_names(camera), place);
+  }
+  for (const CalibratedTarget& board : calibration.targets) add(shape_names(board.target.name), board.shape.sags());
+  return values;
 }
 
 }  // namespace raybundle

@@ -155,13 +155,12 @@ TurnedPattern best_turn(const RigCamera& camera, const LaserPattern& pattern, do
   for (int step = 0; step < 90 && best.single_candidate_share < 1.0; ++step) {
     const int degrees = step % 2 == 0 ? -step / 2 : (step + 1) / 2;
     const double turn = degrees * M_PI / 180.0;
-    Grating grating = *pattern.grating;
-    grating.rig_from_projector.rotation =
-        grating.rig_from_projector.rotation * Eigen::Quaterniond(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
+    LaserPattern turned = pattern;
+    turned.grating->rig_from_projector.rotation *=
+        Eigen::Quaterniond(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
     std::vector<BeamLine> beams;
     for (const LaserBeam& beam : pattern.beams) {
-      const auto line =
-          beam_of_order(grating, beam.column - pattern.zero_order_column, beam.row - pattern.zero_order_row);
+      const auto line = line_of_model(turned, beam.row, beam.column);
       if (line) beams.push_back({pattern.grid.index(beam.row, beam.column), *line});
     }
     const double share = ambiguity_of(camera, beams, tolerance_px, depths).single_candidate_share;

@@ -43,11 +43,8 @@ double median_of(const std::vector<RowTiming>& timings, Member member) {
 std::optional<Finding> shutter_finding(const CalibrationProblem& problem, const CalibrationResult& result, int camera) {
   const std::string& name = problem.cameras[camera].name;
   // A lens that is held at another centre shows in its views what a shutter does.
-  const std::vector<std::string>& estimated = result.calibration.covariance.names;
-  const auto is_held = [&](const char* of_centre) {
-    return std::ranges::find(estimated, name + of_centre) == estimated.end();
-  };
-  if (is_held(".cx") || is_held(".cy")) return std::nullopt;
+  const std::vector<int> of_centre = result.calibration.covariance.places_of({name + ".cx", name + ".cy"});
+  if (std::ranges::count(of_centre, -1) > 0) return std::nullopt;
   std::vector<RowTiming> timings = row_timings(problem, result, camera);
   if (timings.empty()) return std::nullopt;
   if (!is_rolling(timings)) {

@@ -53,12 +53,6 @@ void require_sense(const SensorRange& range) {
   }
 }
 
-// The beam of the grating's model, in the rig frame.
-std::optional<Line3> foreseen(const LaserPattern& laser, int row, int column) {
-  if (!laser.grating) return std::nullopt;
-  return beam_of_order(*laser.grating, column - laser.zero_order_column, row - laser.zero_order_row);
-}
-
 void add_beams(const LaserPattern& laser, const RigCamera& camera, SensorTable& table) {
   const Rigid3& camera_from_rig = camera.camera_from_rig;
   Eigen::Matrix4d off_model = Eigen::Matrix4d::Zero();  // mean square of the calibrated beams off the grating's model
@@ -73,14 +67,14 @@ void add_beams(const LaserPattern& laser, const RigCamera& camera, SensorTable& 
     known[laser.grid.index(beam.row, beam.column)] = 1;
     table.beams.push_back({beam.row, beam.column, true, line, turned(beam.covariance, camera_from_rig, beam.line, line),
                            per_wavelength(laser, beam.row, beam.column, camera_from_rig, line)});
-    if (const auto model = foreseen(laser, beam.row, beam.column)) {
+    if (const auto model = line_of_model(laser, beam.row, beam.column)) {
       const Eigen::Vector4d motion = motion_between(line, camera_from_rig * *model);
       off_model += motion * motion.transpose() / static_cast<double>(laser.beams.size());
     }
   }
   for (int b = 0; b < laser.grid.size(); ++b) {
     const int row = laser.grid.row(b), column = laser.grid.column(b);
-    const auto model = known[b] ? std::nullopt : foreseen(laser, row, column);
+    const auto model = known[b] ? std::nullopt : line_of_model(laser, row, column);
     if (!model) continue;
     const Line3 line = camera_from_rig * Line3{model->at(kForeseenAt_m), model->direction};
     table.beams.push_back({row, column, false, line, kExtrapolation * off_model,

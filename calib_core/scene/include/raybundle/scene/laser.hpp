@@ -117,6 +117,10 @@ struct LaserPattern {
   std::optional<LabelAdvice> advice = {};
 };
 
+/// The line that the pattern's grating gives the beam in this row and column, in the rig frame; nullopt without a grating
+/// and where the order does not leave it.
+std::optional<Line3> line_of_model(const LaserPattern& pattern, int row, int column);
+
 /// The pattern when the laser's wavelength is this many times what it was during calibration, as temperature moves it
 /// (about 0.28 nm/K for diodes). Each beam moves as its order of the grating's model does and keeps how it differs from
 /// the model; what is derived from the beams (depths, advice) stays as it was. Needs a grating.

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -21,5 +22,8 @@ std::vector<std::string> extrinsic_names(const RigCamera& camera);
 
 /// board.bend_x, ... in the order of BoardShape::sags().
 std::vector<std::string> shape_names(const std::string& target);
+
+/// The values of all of them, by name. A camera's place is camera_from_rig's rotation vector [rad] and translation [m].
+std::map<std::string, double> parameter_values(const Calibration& calibration);
 
 }  // namespace raybundle
