@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <opencv2/core/version.hpp>
-#include <opencv2/videoio/registry.hpp>
 
 #include <CLI/Version.hpp>
 #include <Eigen/Core>
@@ -14,7 +13,9 @@
 #include <thread>
 
 #include "detection_cache.hpp"
+#include "media/media.hpp"
 #include "raybundle/camera/camera.hpp"
+#include "raybundle/geometry/error.hpp"
 #include "raybundle/targets/board_kind.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
@@ -49,9 +50,8 @@ bool can_be_written(std::filesystem::path folder) {
   return ::access(folder.empty() ? "." : folder.c_str(), W_OK | X_OK) == 0;
 }
 
-bool can_read_videos() {
-  const std::vector<cv::VideoCaptureAPIs> backends = cv::videoio_registry::getStreamBackends();
-  return std::ranges::find(backends, cv::CAP_FFMPEG) != backends.end();
+bool can_read_videos() try { return media().reads_videos(); } catch (const Error&) {
+  return false;
 }
 
 std::vector<Missing> missing_things() {

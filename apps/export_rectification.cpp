@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/core/eigen.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "export.hpp"
 #include "output_folder.hpp"

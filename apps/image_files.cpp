@@ -13,12 +13,12 @@
 #include <limits>
 #include <map>
 #include <mutex>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 #include <optional>
 #include <string_view>
 
+#include "image_codec.hpp"
+#include "media/media.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/threads.hpp"
 #include "raybundle/io/frame_names.hpp"
@@ -105,17 +105,19 @@ bool truncated(std::string_view bytes) {
 
 // OpenCV throws at some damaged files and says of others that they are empty; only lack of memory is no fault of
 // theirs.
-cv::Mat decoded(std::string& bytes, std::string& reason) try {
+cv::Mat decoded(const std::string& bytes, std::string& reason) try {
   cv::Mat image;
   if (!bytes.empty() && bytes.size() <= std::numeric_limits<int>::max()) {
-    image = cv::imdecode(cv::Mat(1, static_cast<int>(bytes.size()), CV_8U, bytes.data()),
-                         cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
+    image = decoded_grey(bytes);
   }
   if (image.empty()) reason = "not an image that can be decoded";
   return as_stored(bytes, image);
 } catch (const cv::Exception& error) {
   if (error.code == cv::Error::StsNoMem) throw;
   reason = "the image file is damaged, or too large to be read";
+  return {};
+} catch (const Error& error) {  // costs the files that need OpenCV's readers, and no other ones
+  reason = error.what();
   return {};
 }
 
@@ -183,29 +185,7 @@ bool is_image(const std::string& path) {
   return ends_with_one_of({".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".bmp", ".tif", ".tiff", ".webp"}, path);
 }
 
-bool may_be_image(const std::string& path) { return cv::haveImageReader(path); }
-
 bool is_video(const std::string& path) { return ends_with_one_of({".mp4", ".avi", ".mkv", ".mov", ".webm"}, path); }
-
-struct GreyVideo::Data {
-  cv::VideoCapture video;
-  cv::Mat image;
-};
-
-// Of OpenCV's readers the one for files; others look for cameras on the USB when a file is no video. What is wrong with
-// a file the caller says; ffmpeg is to be quiet unless somebody asks it to speak.
-GreyVideo::GreyVideo(const std::string& path) {
-  constexpr const char* kQuiet = "-8";
-  setenv("OPENCV_FFMPEG_LOGLEVEL", kQuiet, 0);
-  data_.reset(new Data{cv::VideoCapture(path, cv::CAP_FFMPEG), {}});
-}
-GreyVideo::~GreyVideo() = default;
-
-cv::Mat GreyVideo::next() {
-  cv::Mat grey;
-  if (data_->video.read(data_->image)) cv::cvtColor(data_->image, grey, cv::COLOR_BGR2GRAY);
-  return grey;
-}
 
 void sort_by_number(std::vector<std::string>& files) {
   std::ranges::sort(files, [](const std::string& a, const std::string& b) {
@@ -301,9 +281,9 @@ std::string for_each_frame(const ImageFile& file,
     if (!gray.empty()) use(gray, file.frame);
     return reason;
   }
-  GreyVideo video(file.path);
+  const std::unique_ptr<VideoReader> video = media().open_video(file.path);
   int count = 0;
-  for (cv::Mat grey = video.next(); !grey.empty(); grey = video.next()) use(grey, std::to_string(count++));
+  for (cv::Mat grey = video->next(); !grey.empty(); grey = video->next()) use(grey, std::to_string(count++));
   return count == 0 ? kNoVideo : "";
 }
 

@@ -4,7 +4,6 @@
 
 #include <functional>
 #include <initializer_list>
-#include <memory>
 #include <opencv2/core/mat.hpp>
 #include <string>
 #include <vector>
@@ -56,24 +55,7 @@ inline constexpr const char* kNoVideo = "not a video that can be decoded";  ///<
 
 /// Whether a path ends as those of images, or of videos, do.
 bool is_image(const std::string& path);
-
-/// Whether a file may be an image by what it holds, however it is called.
-bool may_be_image(const std::string& path);
 bool is_video(const std::string& path);
-
-/// The grey frames of a video, one after the other.
-class GreyVideo {
- public:
-  explicit GreyVideo(const std::string& path);
-  ~GreyVideo();
-
-  /// @return  the next frame, of 8 bits; empty behind the last one that can be decoded, be there any or not
-  cv::Mat next();
-
- private:
-  struct Data;
-  std::unique_ptr<Data> data_;
-};
 
 /// Images in 8 bits. Those of more are scaled alike, by the least number of bits, of 10, 12 and 16, that holds the
 /// brightest pixel of all so far: a darker image stays darker.

@@ -3,8 +3,8 @@
 #include "laser_frame_files.hpp"
 
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
+#include "image_codec.hpp"
 #include "laser_page.hpp"
 #include "mesh_files.hpp"
 #include "page_text.hpp"
@@ -87,9 +87,7 @@ LaserFrameFiles laser_frame_files(const LaserFrame& frame, const SensorTable& ta
                                   const cv::Mat& grey) {
   const Json json = json_of(frame, table, image);
   const PointMesh mesh = mesh_of(frame, table);
-  std::vector<std::uint8_t> jpeg;
-  if (!cv::imencode(".jpg", grey, jpeg)) throw Error(ErrorKind::kIo, "cannot be shown on a page", image);
-  return {text_of_json(json, 1), ply_from(mesh), glb_from(mesh), laser_page(text_of_json(json), jpeg)};
+  return {text_of_json(json, 1), ply_from(mesh), glb_from(mesh), laser_page(text_of_json(json), jpeg_from(grey))};
 }
 
 }  // namespace raybundle::apps

@@ -7,11 +7,12 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <opencv2/core.hpp>
-#include <optional>
 #include <utility>
 
 #include "image_files.hpp"
+#include "media/media.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/frame_names.hpp"
 
@@ -94,11 +95,11 @@ void for_each_moment(const LaserShot& shot, const SensorTable& table,
     use(checked({read_gray(shot.on), shot.off.empty() ? cv::Mat() : read_gray(shot.off)}), name);
     return;
   }
-  GreyVideo on(shot.on);
-  std::optional<GreyVideo> off;
-  if (!shot.off.empty()) off.emplace(shot.off);
+  const std::unique_ptr<VideoReader> on = media().open_video(shot.on);
+  std::unique_ptr<VideoReader> off;
+  if (!shot.off.empty()) off = media().open_video(shot.off);
   for (int count = 0;; ++count) {
-    const cv::Mat image = on.next();
+    const cv::Mat image = on->next();
     if (image.empty() && count == 0) throw Error(ErrorKind::kIo, kNoVideo, shot.on);
     if (image.empty()) return;
     const cv::Mat dark = off ? off->next() : cv::Mat();

@@ -8,9 +8,9 @@
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "image_codec.hpp"
 #include "image_files.hpp"
 #include "page_text.hpp"
 #include "raybundle/geometry/error.hpp"
@@ -23,14 +23,13 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kWidth_px = 560;  // of a picture
 constexpr int kMostRectified_px = 900;
+constexpr int kQuality = 72;          // of a JPEG
 constexpr int kWorstViews = 3;        // of each camera
 constexpr double kWidestHalf = 1.05;  // [rad] 60°: beyond, a plane stretches more than it shows
 
 Json picture(const char* kind, const std::string& camera, const std::string& frame, const cv::Mat& image) {
-  std::vector<uchar> bytes;
-  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, 72});
   return {{"kind", kind},        {"camera", camera},     {"frame", frame},
-          {"width", image.cols}, {"height", image.rows}, {"jpeg", base64(bytes)}};
+          {"width", image.cols}, {"height", image.rows}, {"jpeg", base64(jpeg_from(image, kQuality))}};
 }
 
 // The image of a view; empty when there is none that can be read again.

@@ -8,7 +8,9 @@
 #include <map>
 #include <memory>
 
+#include "image_codec.hpp"
 #include "image_files.hpp"
+#include "media/media.hpp"
 #include "number_flags.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "reconstruct.hpp"
@@ -28,8 +30,8 @@ std::vector<ImageFile> files_of(int camera, const std::string& pattern) {
 
 // Frames with the same number belong together, until the first of the videos ends.
 void take_videos(const std::vector<std::string>& paths, StereoReconstruction& reconstruction) {
-  std::vector<std::unique_ptr<GreyVideo>> videos;
-  for (const std::string& path : paths) videos.push_back(std::make_unique<GreyVideo>(path));
+  std::vector<std::unique_ptr<VideoReader>> videos;
+  for (const std::string& path : paths) videos.push_back(media().open_video(path));
   for (int frame = 0;; ++frame) {
     std::vector<cv::Mat> images;
     for (const auto& video : videos) images.push_back(video->next());

@@ -6,10 +6,11 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
+#include <opencv2/core/mat.hpp>
 #include <optional>
 
 #include "cockpit_files.hpp"
+#include "image_codec.hpp"
 #include "number_flags.hpp"
 #include "output_folder.hpp"
 #include "page_text.hpp"
@@ -62,8 +63,7 @@ void write_png(const fs::path& path, const GreyImage& image) {
   cv::Mat pixels(image.size.height, image.size.width, CV_8U);
   std::ranges::transform(image.values, pixels.begin<std::uint8_t>(),
                          [](std::uint16_t grey) { return static_cast<std::uint8_t>(grey); });
-  std::vector<unsigned char> bytes;
-  cv::imencode(".png", pixels, bytes);
+  const std::vector<unsigned char> bytes = png_from(pixels);
   write_file_whole(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 

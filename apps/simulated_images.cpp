@@ -6,9 +6,10 @@
 
 #include <algorithm>
 #include <mutex>
-#include <opencv2/imgcodecs.hpp>
+#include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "image_codec.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/threads.hpp"
 #include "raybundle/scene/atomic_file.hpp"
@@ -37,8 +38,7 @@ cv::Mat mat_of(const GreyImage& image) {
 }
 
 void write_png(const fs::path& path, const GreyImage& image) {
-  std::vector<unsigned char> bytes;
-  cv::imencode(".png", mat_of(image), bytes, {cv::IMWRITE_PNG_COMPRESSION, 1});
+  const std::vector<unsigned char> bytes = png_from(mat_of(image));
   write_file_whole(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 

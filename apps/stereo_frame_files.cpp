@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "former_frames.hpp"
+#include "image_codec.hpp"
 #include "page_text.hpp"
 #include "points_json.hpp"
 #include "pose_json.hpp"
@@ -24,15 +24,14 @@ namespace fs = std::filesystem;
 
 constexpr const char* kEndings[] = {"_left.png", "_right.png", "_disparity.png", "_depth.png", ".ply", ".json"};
 
-std::string png_from(const cv::Mat& image) {
-  std::vector<unsigned char> bytes;
-  if (!cv::imencode(".png", image, bytes)) throw Error(ErrorKind::kIo, "an image could not be made a PNG");
+std::string text_of_png(const cv::Mat& image) {
+  const std::vector<unsigned char> bytes = png_from(image);
   return {bytes.begin(), bytes.end()};
 }
 
-std::string png_from(GreyView image) {
-  return png_from(cv::Mat(image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.pixels),
-                          static_cast<std::size_t>(image.stride)));
+std::string text_of_png(GreyView image) {
+  return text_of_png(cv::Mat(image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.pixels),
+                             static_cast<std::size_t>(image.stride)));
 }
 
 // What the depth image holds: z of a pinhole pair, the distance from the camera of an equirectangular one.
@@ -50,7 +49,7 @@ std::string png_of_values(const StereoFrame& frame, Value&& value) {
       image.at<std::uint16_t>(v, u) = static_cast<std::uint16_t>(units > 0 && units < 65536 ? units : 0);
     }
   }
-  return png_from(image);
+  return text_of_png(image);
 }
 
 nlohmann::ordered_json rectification_json(const Rectification& pair) {
@@ -101,8 +100,8 @@ StereoFrameFiles stereo_frame_files(const StereoFrame& frame, const StereoMatche
   json["calibration_sigma_px"] = matcher.calibration_sigma_px();
   json["rectification"] = rectification_json(matcher.rectification());
   json.update(more);
-  return {png_from(frame.left),
-          png_from(frame.right),
+  return {text_of_png(frame.left),
+          text_of_png(frame.right),
           png_of_values(frame, [&](int u, int v) { return 256.0 * frame.disparity_px().at(u, v); }),
           png_of_values(frame, [&](int u, int v) { return 1000.0 * depth_of(frame.points.at(u, v), projection); }),
           stereo_ply(frame),

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string_view>
 
+#include "image_codec.hpp"
 #include "occupancy_answer.hpp"
 #include "page_text.hpp"
 #include "raybundle/geometry/quantile.hpp"
@@ -130,12 +130,11 @@ if (frames.length) show();
 </script></html>
 )";
 
-std::string picture(const char* kind, cv::Mat image) {
+// An image as wide as the page shows it.
+cv::Mat for_page(cv::Mat image) {
   const double scale = std::min(1.0, static_cast<double>(kPageWidth) / image.cols);
   if (scale < 1.0) cv::resize(image, image, {}, scale, scale, cv::INTER_NEAREST);
-  std::vector<unsigned char> bytes;
-  cv::imencode(kind, image, bytes);
-  return base64(bytes);
+  return image;
 }
 
 template <typename Value>
@@ -179,9 +178,9 @@ nlohmann::json stereo_page_frame(const std::string& name, const StereoFrame& fra
           {"state", state_name(frame.state)},
           {"matched", frame.disparity.matched},
           {"middle_m", {middle(places[0]), middle(places[1]), middle(places[2])}},
-          {"left", picture(".jpg", image_of(frame.left, CV_8U))},
-          {"right", picture(".jpg", image_of(frame.right, CV_8U))},
-          {"disparity", picture(".png", coloured(frame.disparity_px()))},
+          {"left", base64(jpeg_from(for_page(image_of(frame.left, CV_8U))))},
+          {"right", base64(jpeg_from(for_page(image_of(frame.right, CV_8U))))},
+          {"disparity", base64(png_from(for_page(coloured(frame.disparity_px()))))},
           {"points", std::move(points)}};
 }
 

@@ -21,7 +21,7 @@ if("core" IN_LIST Raybundle_WANTED)  # calib_core
   find_package(Mrcal)  # optional: a second opinion on calibrations
 endif()
 if("targets" IN_LIST Raybundle_WANTED)
-  find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs calib3d features2d aruco objdetect)
+  find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc calib3d features2d aruco objdetect)
   find_package(AprilTag REQUIRED)
   find_package(PkgConfig REQUIRED)
   pkg_check_modules(cairo REQUIRED IMPORTED_TARGET cairo)

@@ -12,8 +12,7 @@
 #include <filesystem>
 #include <memory>
 #include <numbers>
-#include <opencv2/core/mat.hpp>
-#include <opencv2/imgcodecs.hpp>
+#include <opencv2/core.hpp>
 #include <string_view>
 #include <utility>
 
@@ -158,11 +157,13 @@ std::string png_of(const Page& page, const BoardPicture& picture, const std::str
   paint_on(Surface(cairo_image_surface_create_for_data(image.data, CAIRO_FORMAT_RGB24, width, height,
                                                        static_cast<int>(image.step))),
            px_per_metre, page, picture, word);
-  cv::Mat gray;
-  cv::extractChannel(image, gray, 0);
-  std::vector<unsigned char> bytes;
-  cv::imencode(".png", gray, bytes);
-  return {bytes.begin(), bytes.end()};
+  cv::Mat gray(height, cairo_format_stride_for_width(CAIRO_FORMAT_A8, width), CV_8U);
+  cv::extractChannel(image, gray.colRange(0, width), 0);
+  std::string bytes;
+  const Surface as_alpha(  // which cairo writes as grey
+      cairo_image_surface_create_for_data(gray.data, CAIRO_FORMAT_A8, width, height, gray.cols));
+  require_success(cairo_surface_write_to_png_stream(as_alpha.get(), append, &bytes));
+  return bytes;
 }
 
 // The first length of a kind: the square, the tag or the step that --square-px means.

@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <vector>
+
+namespace raybundle::apps {
+
+/// The grey image in the bytes of a file, with the depth that it has; empty when they are no image. JPEG and grey PNG
+/// are decoded here, all else by media().
+///
+/// @throws cv::Exception of some that are damaged; Error(kIo) as media()
+cv::Mat decoded_grey(const std::string& bytes);
+
+/// Whether a file may be an image by what it holds, however it is called.
+bool may_be_image(const std::string& path);
+
+/// @param image  grey of 8 or 16 bits, or blue, green, red of 8
+std::vector<unsigned char> png_from(const cv::Mat& image);
+
+/// @param image    grey or blue, green, red, of 8 bits
+/// @param quality  1 to 100
+std::vector<unsigned char> jpeg_from(const cv::Mat& image, int quality = 95);
+
+}  // namespace raybundle::apps
