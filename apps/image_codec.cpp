@@ -2,15 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "image_codec.hpp"
 
-#include <spng.h>
+#include <png.h>
 #include <turbojpeg.h>
 
+#include <csetjmp>
 #include <cstdint>
-#include <cstdlib>
 #include <fstream>
 #include <memory>
-#include <new>
-#include <opencv2/imgproc.hpp>
 #include <string_view>
 
 #include "media/media.hpp"
@@ -25,11 +23,9 @@ constexpr std::uint64_t kMostPixels = 1u << 30;  // as OpenCV, which says what i
 
 struct Release {
   void operator()(void* turbojpeg) const { tjDestroy(turbojpeg); }
-  void operator()(spng_ctx* png) const { spng_ctx_free(png); }
   void operator()(unsigned char* of_turbojpeg) const { tjFree(of_turbojpeg); }
 };
 using Turbojpeg = std::unique_ptr<void, Release>;
-using Png = std::unique_ptr<spng_ctx, Release>;
 
 bool few_pixels(std::uint64_t width, std::uint64_t height) { return width * height <= kMostPixels; }
 
@@ -47,18 +43,93 @@ cv::Mat grey_of_jpeg(const std::string& bytes) {
   return decoded ? image : cv::Mat();
 }
 
-// Empty for other than grey values of 8 or 16 bits, and where spng has any doubt.
+// libpng jumps out of its functions at an error: back to the caller of setjmp(), in whose frame nothing may be left to
+// destroy.
+[[noreturn]] void leave(png_structp png, png_const_charp) { png_longjmp(png, 1); }
+void be_quiet(png_structp, png_const_charp) {}
+
+void take_bytes(png_structp png, png_bytep to, std::size_t count) {
+  auto& rest = *static_cast<std::string_view*>(png_get_io_ptr(png));
+  if (rest.size() < count) png_error(png, "the file ends early");
+  rest.copy(reinterpret_cast<char*>(to), count);
+  rest.remove_prefix(count);
+}
+
+void append_bytes(png_structp png, png_bytep from, std::size_t count) {
+  auto& bytes = *static_cast<std::vector<unsigned char>*>(png_get_io_ptr(png));
+  bytes.insert(bytes.end(), from, from + count);
+}
+
+struct PngReader {
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, leave, be_quiet);
+  png_infop info = png_create_info_struct(png);
+
+  PngReader() = default;
+  PngReader(const PngReader&) = delete;
+  PngReader& operator=(const PngReader&) = delete;
+  ~PngReader() { png_destroy_read_struct(&png, &info, nullptr); }
+};
+
+struct PngWriter {
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, leave, be_quiet);
+  png_infop info = png_create_info_struct(png);
+
+  PngWriter() = default;
+  PngWriter(const PngWriter&) = delete;
+  PngWriter& operator=(const PngWriter&) = delete;
+  ~PngWriter() { png_destroy_write_struct(&png, &info); }
+};
+
+bool read_header(const PngReader& reader) {
+  if (setjmp(png_jmpbuf(reader.png)) != 0) return false;
+  png_read_info(reader.png, reader.info);
+  return true;
+}
+
+bool read_rows(const PngReader& reader, png_bytepp rows) {
+  if (setjmp(png_jmpbuf(reader.png)) != 0) return false;
+  png_set_swap(reader.png);  // of 16 bits; the file has the high byte first
+  png_set_interlace_handling(reader.png);
+  png_read_update_info(reader.png, reader.info);
+  png_read_image(reader.png, rows);
+  return true;
+}
+
+bool write_rows(const PngWriter& writer, const cv::Mat& image, png_bytepp rows) {
+  constexpr int kFast = 1;  // zlib's levels: smaller by a tenth takes several times as long
+  if (setjmp(png_jmpbuf(writer.png)) != 0) return false;
+  png_set_compression_level(writer.png, kFast);
+  png_set_filter(writer.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
+  png_set_IHDR(writer.png, writer.info, static_cast<png_uint_32>(image.cols), static_cast<png_uint_32>(image.rows),
+               image.depth() == CV_16U ? 16 : 8, image.channels() == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY,
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_write_info(writer.png, writer.info);
+  png_set_swap(writer.png);
+  png_set_bgr(writer.png);
+  png_write_image(writer.png, rows);
+  png_write_end(writer.png, nullptr);
+  return true;
+}
+
+std::vector<png_bytep> rows_of(const cv::Mat& image) {
+  std::vector<png_bytep> rows;
+  for (int y = 0; y < image.rows; ++y) rows.push_back(const_cast<png_bytep>(image.ptr(y)));
+  return rows;
+}
+
+// Empty for other than grey values of 8 or 16 bits, and where libpng stops.
 cv::Mat grey_of_png(const std::string& bytes) {
-  const Png decoder(spng_ctx_new(0));
-  if (spng_set_png_buffer(decoder.get(), bytes.data(), bytes.size()) != 0) return {};
-  spng_ihdr header{};
-  if (spng_get_ihdr(decoder.get(), &header) != 0 || header.color_type != SPNG_COLOR_TYPE_GRAYSCALE) return {};
-  if (header.bit_depth < 8 || !few_pixels(header.width, header.height)) return {};
-  cv::Mat image(static_cast<int>(header.height), static_cast<int>(header.width),
-                header.bit_depth == 8 ? CV_8U : CV_16U);
-  const bool decoded =
-      spng_decode_image(decoder.get(), image.data, image.total() * image.elemSize(), SPNG_FMT_PNG, 0) == 0;
-  return decoded ? image : cv::Mat();
+  const PngReader reader;
+  std::string_view rest = bytes;
+  png_set_read_fn(reader.png, &rest, take_bytes);
+  if (!read_header(reader)) return {};
+  const png_uint_32 width = png_get_image_width(reader.png, reader.info),
+                    height = png_get_image_height(reader.png, reader.info);
+  const int bits = png_get_bit_depth(reader.png, reader.info);
+  if (png_get_color_type(reader.png, reader.info) != PNG_COLOR_TYPE_GRAY || bits < 8) return {};
+  if (!few_pixels(width, height)) return {};
+  cv::Mat image(static_cast<int>(height), static_cast<int>(width), bits == 8 ? CV_8U : CV_16U);
+  return read_rows(reader, rows_of(image).data()) ? image : cv::Mat();
 }
 
 }  // namespace
@@ -77,31 +148,13 @@ bool may_be_image(const std::string& path) {
 }
 
 std::vector<unsigned char> png_from(const cv::Mat& image) {
-  constexpr int kFast = 1;  // zlib's levels: smaller by a tenth takes several times as long
-  cv::Mat pixels;           // row behind row; cvtColor() into the image itself would exchange the caller's colours
-  if (image.channels() == 3) {
-    cv::cvtColor(image, pixels, cv::COLOR_BGR2RGB);
-  } else {
-    pixels = image.isContinuous() ? image : image.clone();
+  std::vector<unsigned char> bytes;
+  const PngWriter writer;
+  png_set_write_fn(writer.png, &bytes, append_bytes, nullptr);
+  if (!write_rows(writer, image, rows_of(image).data())) {
+    throw Error(ErrorKind::kIo, "an image cannot be made a PNG");
   }
-  const Png encoder(spng_ctx_new(SPNG_CTX_ENCODER));
-  spng_ihdr header{};
-  header.width = static_cast<std::uint32_t>(pixels.cols);
-  header.height = static_cast<std::uint32_t>(pixels.rows);
-  header.bit_depth = pixels.depth() == CV_16U ? 16 : 8;
-  header.color_type = pixels.channels() == 3 ? SPNG_COLOR_TYPE_TRUECOLOR : SPNG_COLOR_TYPE_GRAYSCALE;
-  spng_set_ihdr(encoder.get(), &header);
-  spng_set_option(encoder.get(), SPNG_ENCODE_TO_BUFFER, 1);
-  spng_set_option(encoder.get(), SPNG_IMG_COMPRESSION_LEVEL, kFast);
-  spng_set_option(encoder.get(), SPNG_FILTER_CHOICE, SPNG_FILTER_CHOICE_SUB);
-  int error = spng_encode_image(encoder.get(), pixels.data, pixels.total() * pixels.elemSize(), SPNG_FMT_PNG,
-                                SPNG_ENCODE_FINALIZE);
-  std::size_t size = 0;
-  const std::unique_ptr<void, decltype(&std::free)> bytes(
-      error == 0 ? spng_get_png_buffer(encoder.get(), &size, &error) : nullptr, &std::free);
-  if (error != 0) throw Error(ErrorKind::kIo, std::string("an image cannot be made a PNG: ") + spng_strerror(error));
-  const auto* const begin = static_cast<const unsigned char*>(bytes.get());
-  return {begin, begin + size};
+  return bytes;
 }
 
 std::vector<unsigned char> jpeg_from(const cv::Mat& image, int quality) {
