@@ -265,7 +265,7 @@ void run_calibration(const CalibrateJob& job) {
   const double judge_begin = now();
   const Judgements judgements = judge(problem, result, requirements);
   ReportExtra extra{images.unused, provenance_of(job, survey, options, images), sections_of(judgements, result)};
-  extra.sections.push_back(pictures_section(problem, result));
+  extra.sections.push_back(pictures_section(problem, result, options.threads));
   if (result.survey) extra.sections.push_back({"survey", json_from_survey(*result.survey).dump()});
   std::ranges::copy(checked.sections, std::back_inserter(extra.sections));
   result.stages.push_back({"judge", now() - judge_begin});

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
@@ -14,6 +15,7 @@
 #include "image_files.hpp"
 #include "page_text.hpp"
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/threads.hpp"
 #include "raybundle/stereo/rectification.hpp"
 
 namespace raybundle::apps {
@@ -209,19 +211,25 @@ void add_rectified(const CalibrationProblem& problem, const RigCamera& left, con
 
 }  // namespace
 
-ReportSection pictures_section(const CalibrationProblem& problem, const CalibrationResult& result) {
-  Json pictures = Json::array();
+ReportSection pictures_section(const CalibrationProblem& problem, const CalibrationResult& result, int threads) {
   const std::vector<RigCamera>& cameras = result.calibration.cameras;
+  std::vector<std::function<void(Json&)>> sets;  // of pictures
   for (const RigCamera& camera : cameras) {
-    add_worst_views(problem, result, camera.name, pictures);
-    add_undistorted(problem, result, camera, pictures);
+    sets.push_back([&](Json& pictures) { add_worst_views(problem, result, camera.name, pictures); });
+    sets.push_back([&](Json& pictures) { add_undistorted(problem, result, camera, pictures); });
   }
   for (std::size_t c = 1; c < cameras.size(); ++c) {
-    try {
-      add_rectified(problem, cameras[0], cameras[c], pictures);
-    } catch (const Error&) {  // cameras that look apart, or stand behind each other, make no pair
-    }
+    sets.push_back([&, c](Json& pictures) {
+      try {
+        add_rectified(problem, cameras[0], cameras[c], pictures);
+      } catch (const Error&) {  // cameras that look apart, or stand behind each other, make no pair
+      }
+    });
   }
+  std::vector<Json> made(sets.size(), Json::array());
+  for_each_index(sets.size(), threads, [&](std::size_t i) { sets[i](made[i]); });
+  Json pictures = Json::array();
+  for (Json& set : made) std::ranges::move(set, std::back_inserter(pictures));
   return {"pictures", pictures.dump()};
 }
 

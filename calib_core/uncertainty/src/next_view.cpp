@@ -13,7 +13,10 @@
 #include "figures.hpp"
 #include "pose_information.hpp"
 #include "raybundle/geometry/quantile.hpp"
+#include "raybundle/scene/parameter_names.hpp"
 #include "raybundle/uncertainty/coverage.hpp"
+#include "raybundle/uncertainty/image_cells.hpp"
+#include "raybundle/uncertainty/projection_uncertainty.hpp"
 
 namespace raybundle {
 namespace {
@@ -73,17 +76,45 @@ Knowledge updated(const Knowledge& known, const Information& added) {
   return result;
 }
 
+// How projections all over a camera's image depend on its parameters: looked at once, for hundreds of covariances.
+struct ImageDerivatives {
+  std::vector<std::string> parameters;
+  std::vector<Eigen::Matrix2Xd> at_infinity;
+
+  explicit ImageDerivatives(const RigCamera& camera) : parameters(intrinsic_names(camera)) {
+    const ProjectionUncertainty uncertainty = projection_uncertainty(camera, {});
+    const ImageSize size = camera.camera.size;
+    const int rows = rows_of_square_cells(size, kPlacesAcross);
+    for (int row = 0; row < rows; ++row) {
+      for (int column = 0; column < kPlacesAcross; ++column) {
+        const Eigen::Vector2d pixel = middle_of_cell(size, rows, kPlacesAcross, row, column);
+        auto derivatives = projection_derivatives(uncertainty, pixel, kInfinitelyFar);
+        if (derivatives) at_infinity.push_back(std::move(*derivatives));
+      }
+    }
+  }
+};
+
 // What the views are to reduce, whatever is known.
 struct Objective {
   const Calibration& calibration;
   std::optional<Requirement> requirement;
   std::vector<Subject> subjects;
+  std::vector<ImageDerivatives> images;  // without a requirement
 
   Objective(const Calibration& of, const std::optional<Requirement>& wanted) : calibration(of) {
+    choose_subjects(wanted);
+    if (requirement) return;
+    for (const RigCamera& camera : calibration.cameras) {
+      if (camera.evidence) images.emplace_back(camera);
+    }
+  }
+
+  void choose_subjects(const std::optional<Requirement>& wanted) {
     const bool movable = wanted && (wanted->quantity == Quantity::kProjection || wanted->quantity == Quantity::kDepth);
     if (!movable) return;
     requirement = wanted;
-    subjects = subjects_of(*wanted, of);
+    subjects = subjects_of(*wanted, calibration);
     if (subjects.empty()) requirement.reset();
   }
 
@@ -121,11 +152,10 @@ struct Objective {
   double rms(const Covariance& covariance) const {
     double sum = 0.0;
     int count = 0;
-    for (const RigCamera& camera : calibration.cameras) {
-      if (!camera.evidence) continue;
-      const UncertaintyMap map =
-          uncertainty_map(projection_uncertainty(camera, covariance), kInfinitelyFar, kPlacesAcross);
-      for (const double sigma : map.sigma_px.reshaped()) {
+    for (const ImageDerivatives& image : images) {
+      const Eigen::MatrixXd of_lens = covariance.block(image.parameters);
+      for (const Eigen::Matrix2Xd& derivatives : image.at_infinity) {
+        const double sigma = largest_sigma(derivatives * of_lens * derivatives.transpose());
         if (!std::isfinite(sigma)) continue;
         sum += sigma * sigma;
         ++count;

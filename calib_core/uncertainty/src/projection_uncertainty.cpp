@@ -21,15 +21,20 @@ ProjectionUncertainty projection_uncertainty(const RigCamera& camera, const Cova
   return {camera.camera, covariance.block(intrinsic_names(camera)), camera.evidence->implied_motion};
 }
 
-std::optional<Eigen::Matrix2d> projection_covariance(const ProjectionUncertainty& uncertainty,
-                                                     const Eigen::Vector2d& pixel, double range_m) {
+std::optional<Eigen::Matrix2Xd> projection_derivatives(const ProjectionUncertainty& uncertainty,
+                                                       const Eigen::Vector2d& pixel, double range_m) {
   const std::optional<Eigen::Vector3d> ray = ray_from_pixel(uncertainty.camera, pixel);
   if (!ray) return std::nullopt;
   const std::optional<PixelDerivatives> derivatives = pixel_derivatives(uncertainty.camera, *ray);
   if (!derivatives) return std::nullopt;
-  const Eigen::Matrix2Xd by_parameters =
-      derivatives->by_intrinsics + by_motion_at(derivatives->by_ray, *ray, range_m) * uncertainty.implied_motion;
-  return by_parameters * uncertainty.covariance * by_parameters.transpose();
+  return derivatives->by_intrinsics + by_motion_at(derivatives->by_ray, *ray, range_m) * uncertainty.implied_motion;
+}
+
+std::optional<Eigen::Matrix2d> projection_covariance(const ProjectionUncertainty& uncertainty,
+                                                     const Eigen::Vector2d& pixel, double range_m) {
+  const std::optional<Eigen::Matrix2Xd> by_parameters = projection_derivatives(uncertainty, pixel, range_m);
+  if (!by_parameters) return std::nullopt;
+  return *by_parameters * uncertainty.covariance * by_parameters->transpose();
 }
 
 double largest_sigma(const Eigen::Matrix2d& covariance) {

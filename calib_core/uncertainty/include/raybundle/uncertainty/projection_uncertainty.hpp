@@ -35,6 +35,12 @@ ProjectionUncertainty projection_uncertainty(const RigCamera& camera, const Cova
 std::optional<Eigen::Matrix2d> projection_covariance(const ProjectionUncertainty& uncertainty,
                                                      const Eigen::Vector2d& pixel, double range_m);
 
+/// By what that covariance follows from the one of Camera::parameters, whatever that is: D covariance Dᵀ.
+///
+/// @return  D [px], 2 x parameters; nothing where no ray lands on the pixel
+std::optional<Eigen::Matrix2Xd> projection_derivatives(const ProjectionUncertainty& uncertainty,
+                                                       const Eigen::Vector2d& pixel, double range_m);
+
 /// Standard deviation [px] in the direction in which it is largest.
 double largest_sigma(const Eigen::Matrix2d& covariance);
 
