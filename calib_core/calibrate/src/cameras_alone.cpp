@@ -88,9 +88,29 @@ SolvedState solve_from_best(const CameraStart& start, CalibrationProblem& single
   return best;
 }
 
-void solve_camera_alone(const CalibrationProblem& problem, int camera, const CalibrateOptions& options,
+// The problem of one camera, which has its views for as long as this lives: thousands of views are not copied.
+struct BorrowedCamera {
+  CalibrationProblem& whole;
+  int camera;
+  Subproblem single;
+
+  BorrowedCamera(CalibrationProblem& problem, int which)
+      : whole(problem), camera(which), single(take_cameras(problem, {which})) {}
+  BorrowedCamera(const BorrowedCamera&) = delete;
+  BorrowedCamera& operator=(const BorrowedCamera&) = delete;
+  ~BorrowedCamera() {
+    for (std::size_t v = 0; v < single.views.size(); ++v) {
+      TargetView& view = whole.views[single.views[v]];
+      view = std::move(single.problem.views[v]);
+      view.camera = camera;
+    }
+  }
+};
+
+void solve_camera_alone(CalibrationProblem& problem, int camera, const CalibrateOptions& options,
                         std::vector<StageTime>& stages, CamerasAlone& alone) {
-  Subproblem single = select_cameras(problem, {camera});
+  BorrowedCamera borrowed(problem, camera);
+  Subproblem& single = borrowed.single;
   const CameraStart start = start_of(single.problem, stages);
   const Stopwatch stopwatch(stages, "solve");
   SolvedState solved = solve_from_best(start, single.problem, options);
@@ -117,7 +137,7 @@ void solve_camera_alone(const CalibrationProblem& problem, int camera, const Cal
 
 }  // namespace
 
-CamerasAlone solve_cameras_alone(const CalibrationProblem& problem, const CalibrateOptions& options,
+CamerasAlone solve_cameras_alone(CalibrationProblem& problem, const CalibrateOptions& options,
                                  std::vector<StageTime>& stages) {
   CamerasAlone alone;
   alone.cameras.resize(problem.cameras.size());

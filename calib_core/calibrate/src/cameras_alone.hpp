@@ -31,9 +31,10 @@ struct CamerasAlone {
 /// fit, least squares without the outliers; of several starts the one that all corners fit best; then other optima and
 /// the views that were lost. A camera that cannot be calibrated costs only itself.
 ///
-/// @param stages  the times of `start` and `solve` are added
+/// @param problem  lends its views to one camera after the other, and has them all again in the end
+/// @param stages   the times of `start` and `solve` are added
 /// @throws Error when the only camera cannot be calibrated
-CamerasAlone solve_cameras_alone(const CalibrationProblem& problem, const CalibrateOptions& options,
+CamerasAlone solve_cameras_alone(CalibrationProblem& problem, const CalibrateOptions& options,
                                  std::vector<StageTime>& stages);
 
 }  // namespace raybundle
