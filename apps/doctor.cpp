@@ -50,8 +50,13 @@ bool can_be_written(std::filesystem::path folder) {
   return ::access(folder.empty() ? "." : folder.c_str(), W_OK | X_OK) == 0;
 }
 
-bool can_read_videos() try { return media().reads_videos(); } catch (const Error&) {
-  return false;
+// Of OpenCV's readers.
+void add_missing_readers(std::vector<Missing>& missing) try {
+  if (media().reads_videos()) return;
+  missing.push_back({"OpenCV's video backend", "images can be read, videos cannot",
+                     "sudo apt-get install libopencv-videoio-dev, and build again"});
+} catch (const Error& error) {
+  missing.push_back({kMediaLibrary, "JPEG and grey PNG can be read, other images and videos cannot", error.what()});
 }
 
 std::vector<Missing> missing_things() {
@@ -62,10 +67,7 @@ std::vector<Missing> missing_things() {
     missing.push_back(
         {"a web browser", "report.html can only be looked at on another machine", "sudo apt-get install firefox-esr"});
   }
-  if (!can_read_videos()) {
-    missing.push_back({"OpenCV's video backend", "images can be read, videos cannot",
-                       "sudo apt-get install libopencv-videoio-dev, and build again"});
-  }
+  add_missing_readers(missing);
   if (!std::filesystem::exists(kDemoImages)) {
     missing.push_back({"the images of `raybundle demo`", "all else works; ./dev demo unpacks them by itself",
                        "sudo apt-get install opencv-doc"});

@@ -5,12 +5,15 @@
 #include <png.h>
 #include <turbojpeg.h>
 
+#include <cassert>
 #include <csetjmp>
 #include <cstdint>
 #include <fstream>
 #include <memory>
+#include <new>
 #include <string_view>
 
+#include "image_files.hpp"
 #include "media/media.hpp"
 #include "raybundle/geometry/error.hpp"
 
@@ -55,16 +58,26 @@ void take_bytes(png_structp png, png_bytep to, std::size_t count) {
   rest.remove_prefix(count);
 }
 
+// No exception may pass through libpng.
+bool append(std::vector<unsigned char>& bytes, png_const_bytep from, std::size_t count) try {
+  bytes.insert(bytes.end(), from, from + count);
+  return true;
+} catch (const std::bad_alloc&) {
+  return false;
+}
+
 void append_bytes(png_structp png, png_bytep from, std::size_t count) {
   auto& bytes = *static_cast<std::vector<unsigned char>*>(png_get_io_ptr(png));
-  bytes.insert(bytes.end(), from, from + count);
+  if (!append(bytes, from, count)) png_error(png, "no memory is left");
 }
 
 struct PngReader {
   png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, leave, be_quiet);
   png_infop info = png_create_info_struct(png);
 
-  PngReader() = default;
+  PngReader() {
+    if (info == nullptr) throw std::bad_alloc();
+  }
   PngReader(const PngReader&) = delete;
   PngReader& operator=(const PngReader&) = delete;
   ~PngReader() { png_destroy_read_struct(&png, &info, nullptr); }
@@ -74,7 +87,9 @@ struct PngWriter {
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, leave, be_quiet);
   png_infop info = png_create_info_struct(png);
 
-  PngWriter() = default;
+  PngWriter() {
+    if (info == nullptr) throw std::bad_alloc();
+  }
   PngWriter(const PngWriter&) = delete;
   PngWriter& operator=(const PngWriter&) = delete;
   ~PngWriter() { png_destroy_write_struct(&png, &info); }
@@ -138,16 +153,28 @@ cv::Mat decoded_grey(const std::string& bytes) {
   cv::Mat image;
   if (bytes.starts_with(kJpeg)) image = grey_of_jpeg(bytes);
   if (bytes.starts_with(kPng)) image = grey_of_png(bytes);
-  return image.empty() ? media().decode_grey(bytes) : image;
+  if (!image.empty()) return image;
+  try {
+    return media().decode_grey(bytes);
+  } catch (const Error& missing) {
+    if (!bytes.starts_with(kJpeg) && !bytes.starts_with(kPng)) throw;
+    throw Error(ErrorKind::kIo, std::string("damaged, or of a kind that is rare: ") + missing.what());
+  }
 }
 
 bool may_be_image(const std::string& path) {
   std::string head(kPng.size(), '\0');
   std::ifstream(path, std::ios::binary).read(head.data(), static_cast<std::streamsize>(head.size()));
-  return head.starts_with(kJpeg) || head.starts_with(kPng) || media().may_be_image(path);
+  if (head.starts_with(kJpeg) || head.starts_with(kPng)) return true;
+  try {
+    return media().may_be_image(path);
+  } catch (const Error&) {  // reading it will say so
+    return is_image(path);
+  }
 }
 
 std::vector<unsigned char> png_from(const cv::Mat& image) {
+  assert(image.type() == CV_8UC1 || image.type() == CV_16UC1 || image.type() == CV_8UC3);
   std::vector<unsigned char> bytes;
   const PngWriter writer;
   png_set_write_fn(writer.png, &bytes, append_bytes, nullptr);
@@ -158,6 +185,7 @@ std::vector<unsigned char> png_from(const cv::Mat& image) {
 }
 
 std::vector<unsigned char> jpeg_from(const cv::Mat& image, int quality) {
+  assert(image.type() == CV_8UC1 || image.type() == CV_8UC3);
   const bool grey = image.channels() == 1;
   const Turbojpeg encoder(tjInitCompress());
   unsigned char* bytes = nullptr;

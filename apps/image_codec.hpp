@@ -9,7 +9,7 @@
 namespace raybundle::apps {
 
 /// The grey image in the bytes of a file, with the depth that it has; empty when they are no image. JPEG and grey PNG
-/// are decoded here, all else by media().
+/// are decoded here, all else, and what seems damaged, by media().
 ///
 /// @throws cv::Exception of some that are damaged; Error(kIo) as media()
 cv::Mat decoded_grey(const std::string& bytes);
@@ -18,10 +18,12 @@ cv::Mat decoded_grey(const std::string& bytes);
 bool may_be_image(const std::string& path);
 
 /// @param image  grey of 8 or 16 bits, or blue, green, red of 8
+/// @throws Error(kIo) when it cannot be made a PNG, as one without pixels
 std::vector<unsigned char> png_from(const cv::Mat& image);
 
 /// @param image    grey or blue, green, red, of 8 bits
 /// @param quality  1 to 100
+/// @throws Error(kIo) when it cannot be made a JPEG, as one without pixels
 std::vector<unsigned char> jpeg_from(const cv::Mat& image, int quality = 95);
 
 }  // namespace raybundle::apps

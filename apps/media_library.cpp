@@ -12,14 +12,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Where the library lies: beside the program, above it, as for programs in folders of the build, or where it is
-// installed.
+// Where the library lies: beside the program, as in the build, or where it is installed.
 fs::path library_path() {
-  const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
-  for (const char* place : {".", "..", "../lib"}) {
+  std::error_code unknown;
+  const fs::path folder = fs::read_symlink("/proc/self/exe", unknown).parent_path();
+  for (const char* place : {".", "../lib"}) {
     fs::path path = folder / place / kMediaLibrary;
     std::error_code ignored;
-    if (fs::exists(path, ignored)) return path;
+    if (!unknown && fs::exists(path, ignored)) return path;
   }
   throw Error(ErrorKind::kIo,
               std::string(kMediaLibrary) +

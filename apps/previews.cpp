@@ -34,12 +34,13 @@ Json picture(const char* kind, const std::string& camera, const std::string& fra
           {"width", image.cols}, {"height", image.rows}, {"jpeg", base64(jpeg_from(image, kQuality))}};
 }
 
-// The image of a view; empty when there is none that can be read again.
+// The image of a view, in 8 bits; empty when there is none that can be read again.
 cv::Mat image_of(const TargetView& view, const ProblemCamera& camera) {
   std::error_code ignored;
   std::string reason;
   if (view.image.empty() || !std::filesystem::is_regular_file(view.image, ignored)) return {};
-  const cv::Mat image = read_gray(view.image, reason);
+  cv::Mat image = read_gray(view.image, reason);
+  EightBits().take({&image});
   return image.cols == camera.size.width && image.rows == camera.size.height ? image : cv::Mat();
 }
 

@@ -19,7 +19,7 @@ class VideoReader {
 
 /// What OpenCV reads of images and videos. Debian's OpenCV brings some 240 shared libraries for it, whose loading costs
 /// 0.1 s and 60 MB, as much as finding the board in thirty images: so it stands in a library of its own, which is loaded
-/// when a file is neither a JPEG nor a grey PNG.
+/// when a file is neither a JPEG nor a grey PNG, or is damaged.
 class Media {
  public:
   virtual ~Media() = default;
@@ -31,6 +31,8 @@ class Media {
   virtual bool may_be_image(const std::string& path) const = 0;
 
   virtual bool reads_videos() const = 0;
+
+  /// Of a file that is no video the first frame is empty.
   virtual std::unique_ptr<VideoReader> open_video(const std::string& path) const = 0;
 };
 

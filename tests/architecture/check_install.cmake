@@ -17,6 +17,12 @@ file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
 run_consumer(all ${CONSUMER})
 
+# The installed program finds the library that it loads.
+execute_process(COMMAND ${WORK}/prefix/bin/raybundle doctor OUTPUT_VARIABLE told COMMAND_ERROR_IS_FATAL ANY)
+if(told MATCHES "libraybundle_media")
+  message(FATAL_ERROR ${told})
+endif()
+
 # Whoever wants the core alone needs nothing of what reads images and renders.
 set(others OpenCV embree AprilTag tomlplusplus)
 list(TRANSFORM others REPLACE "(.+)" "-DCMAKE_DISABLE_FIND_PACKAGE_\\1=ON")

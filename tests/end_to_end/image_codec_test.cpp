@@ -6,10 +6,13 @@
 
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "media/media.hpp"
+#include "page_text.hpp"
+#include "previews.hpp"
 #include "program.hpp"
 #include "real_data.hpp"
 
@@ -90,6 +93,56 @@ TEST(ImageCodec, WritesJpegsAsOpencvDoes) {
     expect_same(cv::imdecode(apps::jpeg_from(image, 80), cv::IMREAD_UNCHANGED),
                 cv::imdecode(expected, cv::IMREAD_UNCHANGED), "jpeg");
   }
+}
+
+// JPEGs and PNGs that are cut or bent, of one bit or with a transparent colour: as OpenCV takes them.
+TEST(ImageCodec, ReadsWhatIsDamagedOrRareAsOpencvDoes) {
+  std::vector<unsigned char> png, jpeg, one_bit;
+  cv::imencode(".png", picture(CV_8U, 255.0), png);
+  cv::imencode(".jpg", picture(CV_8U, 255.0), jpeg);
+  cv::imencode(".png", picture(CV_8U, 255.0), one_bit, {cv::IMWRITE_PNG_BILEVEL, 1});
+  std::vector<std::string> files{text_of(one_bit)};
+  for (const std::string& whole : {text_of(png), text_of(jpeg)}) {
+    files.push_back(whole.substr(0, whole.size() / 2));
+    for (std::size_t at = 20; at < whole.size(); at += whole.size() / 20) {
+      files.push_back(whole);
+      files.back()[at] = static_cast<char>(files.back()[at] ^ 0x10);
+    }
+  }
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    cv::Mat expected;
+    try {
+      expected = apps::media().decode_grey(files[i]);
+    } catch (const cv::Exception&) {
+      EXPECT_THROW(apps::decoded_grey(files[i]), cv::Exception) << i;
+      continue;
+    }
+    if (expected.empty()) {
+      EXPECT_TRUE(apps::decoded_grey(files[i]).empty()) << i;
+    } else {
+      expect_same(apps::decoded_grey(files[i]), expected, std::to_string(i));
+    }
+  }
+}
+
+TEST(Pictures, OfDeepImagesShowWhatTheyShow) {
+  const fs::path file = fresh_folder() / "deep.png";
+  cv::imwrite(file.string(), cv::Mat(60, 80, CV_16U, cv::Scalar(512)));  // the middle of ten bits
+  CalibrationProblem problem;
+  problem.cameras.resize(1);
+  problem.cameras[0].name = "camera";
+  problem.cameras[0].size = {80, 60};
+  problem.frames = {"0"};
+  problem.views.resize(1);
+  problem.views[0].image = file.string();
+  CalibrationResult result;
+  result.calibration.cameras.resize(1);
+  result.calibration.cameras[0].name = "camera";
+  result.calibration.cameras[0].camera.size = {80, 60};
+  result.views.resize(1);
+  const auto pictures = nlohmann::json::parse(apps::pictures_section(problem, result, 2).json);
+  ASSERT_EQ(pictures.size(), 1U);
+  EXPECT_THAT(pictures[0]["jpeg"], apps::base64(apps::jpeg_from(cv::Mat(60, 80, CV_8U, cv::Scalar(128)), 72)));
 }
 
 TEST(ImageCodec, KnowsImagesByWhatTheyHold) {

@@ -8,11 +8,13 @@
 
 #include "fuzz_reader.hpp"
 #include "image_files.hpp"
+#include "media/media.hpp"
 
 // A file in memory is given to the reader of images by its name.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace raybundle;
   static const int file = ::memfd_create("image", 0);
+  apps::media();  // without which most formats would be refused unread
   if (::ftruncate(file, 0) != 0 || ::pwrite(file, data, size, 0) != static_cast<ssize_t>(size)) return 0;
   return fuzz::only_errors(data, size, [](std::string_view) {
     std::string reason;
