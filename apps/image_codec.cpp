@@ -8,20 +8,16 @@
 #include <cassert>
 #include <csetjmp>
 #include <cstdint>
-#include <fstream>
 #include <memory>
 #include <new>
-#include <string_view>
+#include <vector>
 
-#include "image_files.hpp"
 #include "media/media.hpp"
 #include "raybundle/geometry/error.hpp"
 
 namespace raybundle::apps {
 namespace {
 
-constexpr std::string_view kJpeg = "\xff\xd8\xff";
-constexpr std::string_view kPng = "\x89PNG\r\n\x1a\n";
 constexpr std::uint64_t kMostPixels = 1u << 30;  // as OpenCV, which says what is wrong with larger ones
 
 struct Release {
@@ -59,15 +55,15 @@ void take_bytes(png_structp png, png_bytep to, std::size_t count) {
 }
 
 // No exception may pass through libpng.
-bool append(std::vector<unsigned char>& bytes, png_const_bytep from, std::size_t count) try {
-  bytes.insert(bytes.end(), from, from + count);
+bool append(std::string& bytes, png_const_bytep from, std::size_t count) try {
+  bytes.append(reinterpret_cast<const char*>(from), count);
   return true;
 } catch (const std::bad_alloc&) {
   return false;
 }
 
 void append_bytes(png_structp png, png_bytep from, std::size_t count) {
-  auto& bytes = *static_cast<std::vector<unsigned char>*>(png_get_io_ptr(png));
+  auto& bytes = *static_cast<std::string*>(png_get_io_ptr(png));
   if (!append(bytes, from, count)) png_error(png, "no memory is left");
 }
 
@@ -149,33 +145,26 @@ cv::Mat grey_of_png(const std::string& bytes) {
 
 }  // namespace
 
+bool is_jpeg(std::string_view bytes) { return bytes.starts_with("\xff\xd8\xff"); }
+
+bool is_png(std::string_view bytes) { return bytes.starts_with("\x89PNG\r\n\x1a\n"); }
+
 cv::Mat decoded_grey(const std::string& bytes) {
   cv::Mat image;
-  if (bytes.starts_with(kJpeg)) image = grey_of_jpeg(bytes);
-  if (bytes.starts_with(kPng)) image = grey_of_png(bytes);
+  if (is_jpeg(bytes)) image = grey_of_jpeg(bytes);
+  if (is_png(bytes)) image = grey_of_png(bytes);
   if (!image.empty()) return image;
   try {
     return media().decode_grey(bytes);
   } catch (const Error& missing) {
-    if (!bytes.starts_with(kJpeg) && !bytes.starts_with(kPng)) throw;
+    if (!is_jpeg(bytes) && !is_png(bytes)) throw;
     throw Error(ErrorKind::kIo, std::string("damaged, or of a kind that is rare: ") + missing.what());
   }
 }
 
-bool may_be_image(const std::string& path) {
-  std::string head(kPng.size(), '\0');
-  std::ifstream(path, std::ios::binary).read(head.data(), static_cast<std::streamsize>(head.size()));
-  if (head.starts_with(kJpeg) || head.starts_with(kPng)) return true;
-  try {
-    return media().may_be_image(path);
-  } catch (const Error&) {  // reading it will say so
-    return is_image(path);
-  }
-}
-
-std::vector<unsigned char> png_from(const cv::Mat& image) {
+std::string png_from(const cv::Mat& image) {
   assert(image.type() == CV_8UC1 || image.type() == CV_16UC1 || image.type() == CV_8UC3);
-  std::vector<unsigned char> bytes;
+  std::string bytes;
   const PngWriter writer;
   png_set_write_fn(writer.png, &bytes, append_bytes, nullptr);
   if (!write_rows(writer, image, rows_of(image).data())) {
@@ -184,7 +173,7 @@ std::vector<unsigned char> png_from(const cv::Mat& image) {
   return bytes;
 }
 
-std::vector<unsigned char> jpeg_from(const cv::Mat& image, int quality) {
+std::string jpeg_from(const cv::Mat& image, int quality) {
   assert(image.type() == CV_8UC1 || image.type() == CV_8UC3);
   const bool grey = image.channels() == 1;
   const Turbojpeg encoder(tjInitCompress());
@@ -196,7 +185,7 @@ std::vector<unsigned char> jpeg_from(const cv::Mat& image, int quality) {
   const std::unique_ptr<unsigned char, Release> owned(bytes);
   if (error != 0)
     throw Error(ErrorKind::kIo, std::string("an image cannot be made a JPEG: ") + tjGetErrorStr2(encoder.get()));
-  return {bytes, bytes + size};
+  return {reinterpret_cast<const char*>(bytes), size};
 }
 
 }  // namespace raybundle::apps

@@ -4,7 +4,7 @@
 
 #include <opencv2/core/mat.hpp>
 #include <string>
-#include <vector>
+#include <string_view>
 
 namespace raybundle::apps {
 
@@ -14,16 +14,17 @@ namespace raybundle::apps {
 /// @throws cv::Exception of some that are damaged; Error(kIo) as media()
 cv::Mat decoded_grey(const std::string& bytes);
 
-/// Whether a file may be an image by what it holds, however it is called.
-bool may_be_image(const std::string& path);
+/// Whether the bytes of a file begin as those of a JPEG, or of a PNG.
+bool is_jpeg(std::string_view bytes);
+bool is_png(std::string_view bytes);
 
 /// @param image  grey of 8 or 16 bits, or blue, green, red of 8
 /// @throws Error(kIo) when it cannot be made a PNG, as one without pixels
-std::vector<unsigned char> png_from(const cv::Mat& image);
+std::string png_from(const cv::Mat& image);
 
 /// @param image    grey or blue, green, red, of 8 bits
 /// @param quality  1 to 100
 /// @throws Error(kIo) when it cannot be made a JPEG, as one without pixels
-std::vector<unsigned char> jpeg_from(const cv::Mat& image, int quality = 95);
+std::string jpeg_from(const cv::Mat& image, int quality = 95);
 
 }  // namespace raybundle::apps

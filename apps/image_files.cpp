@@ -98,8 +98,8 @@ std::optional<std::string> bytes_of(const std::string& path) {
 // JPEG and PNG say where they end; decoders fill what is missing with grey and go on.
 bool truncated(std::string_view bytes) {
   const std::string_view tail = bytes.substr(bytes.size() - std::min<std::size_t>(64, bytes.size()));
-  if (bytes.starts_with("\xff\xd8")) return bytes.rfind("\xff\xd9") == std::string_view::npos;
-  if (bytes.starts_with("\x89PNG")) return tail.find("IEND") == std::string_view::npos;
+  if (is_jpeg(bytes)) return bytes.rfind("\xff\xd9") == std::string_view::npos;
+  if (is_png(bytes)) return tail.find("IEND") == std::string_view::npos;
   return false;
 }
 
@@ -186,6 +186,18 @@ bool is_image(const std::string& path) {
 }
 
 bool is_video(const std::string& path) { return ends_with_one_of({".mp4", ".avi", ".mkv", ".mov", ".webm"}, path); }
+
+bool may_be_image(const std::string& path) {
+  constexpr std::size_t kSignature = 8;  // [bytes]
+  std::string head(kSignature, '\0');
+  std::ifstream(path, std::ios::binary).read(head.data(), kSignature);
+  if (is_jpeg(head) || is_png(head)) return true;
+  try {
+    return media().may_be_image(path);
+  } catch (const Error&) {  // reading it will say so
+    return is_image(path);
+  }
+}
 
 void sort_by_number(std::vector<std::string>& files) {
   std::ranges::sort(files, [](const std::string& a, const std::string& b) {

@@ -57,6 +57,9 @@ inline constexpr const char* kNoVideo = "not a video that can be decoded";  ///<
 bool is_image(const std::string& path);
 bool is_video(const std::string& path);
 
+/// Whether a file may be an image by what it holds, however it is called.
+bool may_be_image(const std::string& path);
+
 /// Images in 8 bits. Those of more are scaled alike, by the least number of bits, of 10, 12 and 16, that holds the
 /// brightest pixel of all so far: a darker image stays darker.
 class EightBits {

@@ -180,6 +180,12 @@ Dataset dataset_of(const InputFlags& flags, bool need_models) {
     for (const std::string& flag : flags.cameras) dataset.cameras.push_back(camera_from_flag(flag, ""));
   }
   if (!flags.observations.empty()) {
+    if (is_image(flags.observations)) {
+      refuse(
+          fmt::format("{} is an image, not a file of corners; give images with --camera, as in --camera "
+                      "left='left*.jpg'",
+                      flags.observations));
+    }
     if (dataset.laser) {
       refuse(
           "the file of --observations says what is known of the laser, and so does [laser] of the dataset; leave one "

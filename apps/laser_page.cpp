@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "laser_page.hpp"
 
-#include <string_view>
-
 #include "page_text.hpp"
 
 namespace raybundle::apps {
@@ -128,7 +126,7 @@ addEventListener('resize', draw); draw();
 
 }  // namespace
 
-std::string laser_page(const std::string& json, const std::vector<std::uint8_t>& jpeg) {
+std::string laser_page(std::string_view json, std::string_view jpeg) {
   return std::string(kBegin) + json_for_script(json) + std::string(kMiddle) + base64(jpeg) + std::string(kEnd);
 }
 

@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
 #include <string>
-#include <vector>
+#include <string_view>
 
 namespace raybundle::apps {
 
@@ -13,6 +12,6 @@ namespace raybundle::apps {
 ///
 /// @param json  of laser_frame_files
 /// @param jpeg  the image
-std::string laser_page(const std::string& json, const std::vector<std::uint8_t>& jpeg);
+std::string laser_page(std::string_view json, std::string_view jpeg);
 
 }  // namespace raybundle::apps

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <span>
 #include <string>
 #include <string_view>
 
@@ -13,7 +12,7 @@ namespace raybundle::apps {
 std::string json_for_script(std::string_view json);
 
 /// Bytes of an image as they stand in a page or in JSON.
-std::string base64(std::span<const unsigned char> bytes);
+std::string base64(std::string_view bytes);
 
 /// JSON as text; what is no UTF-8, as a path may hold, is replaced.
 template <typename Json>

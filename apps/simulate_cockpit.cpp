@@ -63,8 +63,7 @@ void write_png(const fs::path& path, const GreyImage& image) {
   cv::Mat pixels(image.size.height, image.size.width, CV_8U);
   std::ranges::transform(image.values, pixels.begin<std::uint8_t>(),
                          [](std::uint16_t grey) { return static_cast<std::uint8_t>(grey); });
-  const std::vector<unsigned char> bytes = png_from(pixels);
-  write_file_whole(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  write_file_whole(path, png_from(pixels));
 }
 
 // Renders one frame; names of its images by camera, or off and on.

@@ -38,8 +38,7 @@ cv::Mat mat_of(const GreyImage& image) {
 }
 
 void write_png(const fs::path& path, const GreyImage& image) {
-  const std::vector<unsigned char> bytes = png_from(mat_of(image));
-  write_file_whole(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  write_file_whole(path, png_from(mat_of(image)));
 }
 
 bool is_simulated_image(const fs::path& path) {

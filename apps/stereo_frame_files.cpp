@@ -24,14 +24,9 @@ namespace fs = std::filesystem;
 
 constexpr const char* kEndings[] = {"_left.png", "_right.png", "_disparity.png", "_depth.png", ".ply", ".json"};
 
-std::string text_of_png(const cv::Mat& image) {
-  const std::vector<unsigned char> bytes = png_from(image);
-  return {bytes.begin(), bytes.end()};
-}
-
-std::string text_of_png(GreyView image) {
-  return text_of_png(cv::Mat(image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.pixels),
-                             static_cast<std::size_t>(image.stride)));
+std::string png_of_view(GreyView image) {
+  return png_from(cv::Mat(image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.pixels),
+                          static_cast<std::size_t>(image.stride)));
 }
 
 // What the depth image holds: z of a pinhole pair, the distance from the camera of an equirectangular one.
@@ -49,7 +44,7 @@ std::string png_of_values(const StereoFrame& frame, Value&& value) {
       image.at<std::uint16_t>(v, u) = static_cast<std::uint16_t>(units > 0 && units < 65536 ? units : 0);
     }
   }
-  return text_of_png(image);
+  return png_from(image);
 }
 
 nlohmann::ordered_json rectification_json(const Rectification& pair) {
@@ -100,8 +95,8 @@ StereoFrameFiles stereo_frame_files(const StereoFrame& frame, const StereoMatche
   json["calibration_sigma_px"] = matcher.calibration_sigma_px();
   json["rectification"] = rectification_json(matcher.rectification());
   json.update(more);
-  return {text_of_png(frame.left),
-          text_of_png(frame.right),
+  return {png_of_view(frame.left),
+          png_of_view(frame.right),
           png_of_values(frame, [&](int u, int v) { return 256.0 * frame.disparity_px().at(u, v); }),
           png_of_values(frame, [&](int u, int v) { return 1000.0 * depth_of(frame.points.at(u, v), projection); }),
           stereo_ply(frame),

@@ -151,12 +151,13 @@ TurnedPattern best_turn(const RigCamera& camera, const LaserPattern& pattern, do
     throw Error(ErrorKind::kBadInput, "the beams follow no common grating, so turning it cannot be foreseen", "laser");
   }
   TurnedPattern best;
+  LaserPattern turned = pattern;
   // 0°, 1°, -1°, 2°, ...: of equals the smallest turn, and none is better than one that leaves no doubt.
   for (int step = 0; step < 90 && best.single_candidate_share < 1.0; ++step) {
     const int degrees = step % 2 == 0 ? -step / 2 : (step + 1) / 2;
     const double turn = degrees * M_PI / 180.0;
-    LaserPattern turned = pattern;
-    turned.grating->rig_from_projector.rotation *=
+    turned.grating->rig_from_projector.rotation =
+        pattern.grating->rig_from_projector.rotation *
         Eigen::Quaterniond(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
     std::vector<BeamLine> beams;
     for (const LaserBeam& beam : pattern.beams) {

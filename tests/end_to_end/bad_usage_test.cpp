@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: The Raybundle authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Command lines that are wrong by themselves, whatever files there are.
+
+#include <gmock/gmock.h>
+
+#include <string>
+#include <vector>
+
+#include "program.hpp"
+
+namespace raybundle::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(BadUsage, UnknownVerbsAndFlags) {
+  EXPECT_EQ(raybundle_program({"calibrat"}).exit_code, 2);
+  EXPECT_EQ(raybundle_program({"calibrate", "--modell", "pinhole"}).exit_code, 2);
+  EXPECT_EQ(raybundle_program({}).exit_code, 2);
+  EXPECT_EQ(raybundle_program({"calibrate", "--help"}).exit_code, 0);
+}
+
+// NaN is within every range that is asked for by comparing.
+TEST(NumberFlags, NoneTakesWhatIsNoNumber) {
+  const std::vector<std::string> verbs[] = {{"compare", "a.json", "b.json", "--max-px"},
+                                            {"eye-safety", "--edition", "1993", "--power"},
+                                            {"eye-safety", "--edition", "1993", "--brightest"},
+                                            {"validate", "a.json", "--max-rms"},
+                                            {"survey", "a.json", "--max-rms"},
+                                            {"reconstruct", "stereo", "a.json", "l", "r", "-o", "o", "--near"},
+                                            {"reconstruct", "stereo", "a.json", "l", "r", "-o", "o", "--uniqueness"},
+                                            {"simulate", "random:1", "-o", "o", "--turn"}};
+  for (std::vector<std::string> arguments : verbs) {
+    const std::string flag = arguments.back();
+    arguments.push_back("nan");
+    const ProgramRun run = raybundle_program(arguments);
+    EXPECT_EQ(run.exit_code, 2) << flag;
+    EXPECT_THAT(run.err, HasSubstr(flag + ": 'nan' must be a number"));
+  }
+  const ProgramRun negative = raybundle_program({"eye-safety", "--edition", "1993", "--power", "-3"});
+  EXPECT_EQ(negative.exit_code, 2);
+  EXPECT_THAT(negative.err, HasSubstr("'-3' must be a number above 0"));
+}
+
+}  // namespace
+}  // namespace raybundle::testing
