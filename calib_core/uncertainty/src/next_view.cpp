@@ -3,7 +3,6 @@
 #include "raybundle/uncertainty/next_view.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -37,8 +36,10 @@ std::vector<ViewData> imagined_views(const Calibration& calibration, int target,
 
 // (C^-1 + H)^-1 = C - C L (1 + L' C L)^-1 L' C for H = L L': no inverse of a covariance is formed.
 Eigen::MatrixXd updated(const Eigen::MatrixXd& covariance, const Eigen::MatrixXd& information) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(information);
-  const Eigen::MatrixXd root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const Eigen::LDLT<Eigen::MatrixXd> ldlt(information);
+  const Eigen::MatrixXd lower = ldlt.matrixL();
+  const Eigen::MatrixXd root =
+      ldlt.transpositionsP().transpose() * (lower * ldlt.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal());
   const Eigen::MatrixXd across = covariance * root;
   Eigen::MatrixXd inner = root.transpose() * across;
   inner.diagonal().array() += 1.0;
