@@ -54,7 +54,6 @@ double root_weight(double s, double scale, DotRows& rows) {
   const double c2 = scale * scale;
   const double weight = scale > 0.0 ? 1.0 / (1.0 + s / c2) : 1.0;
   rows.robust_chi2 += scale > 0.0 ? c2 * std::log1p(s / c2) : s;
-  rows.weighted_chi2 += weight * s;
   return std::sqrt(weight);
 }
 
@@ -145,7 +144,7 @@ bool fill_dot_rows(const ViewDots& view, const ViewPoint& point, const std::vect
   if (!(point.intrinsics[0] > 0.0) || !(point.intrinsics[1] > 0.0)) return false;
   return with_model(view.model, [&]<CameraModel M>() {
     rows.intrinsics = kParameterCount<M>;
-    rows.robust_chi2 = rows.weighted_chi2 = 0.0;
+    rows.robust_chi2 = 0.0;
     rows.motions.resize(view.dots.size());
     const auto count = static_cast<Eigen::Index>(2 * view.dots.size());
     const Eigen::Index padded = (count + 3) / 4 * 4;

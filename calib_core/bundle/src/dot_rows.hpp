@@ -55,9 +55,8 @@ struct DotMotion {
 struct DotRows {
   Eigen::MatrixXd rows;  ///< padded with zero rows to a multiple of 4
   std::vector<DotMotion> motions;
-  int intrinsics = 0;          ///< columns of
-  double robust_chi2 = 0.0;    ///< sum of ρ(s) over the dots, s the squared whitened distance
-  double weighted_chi2 = 0.0;  ///< sum of s ρ'(s): of the squared residual column
+  int intrinsics = 0;        ///< columns of
+  double robust_chi2 = 0.0;  ///< sum of ρ(s) over the dots, s the squared whitened distance
 
   int residual_column(bool with_shape) const { return intrinsics + 6 + (with_shape ? 3 : 0); }
 };

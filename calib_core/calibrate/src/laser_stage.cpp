@@ -249,8 +249,11 @@ LaserSolve solve_with_dots(const CalibrationProblem& problem, const BundleState&
     throw Error(ErrorKind::kNotEnoughData,
                 "no beam was met by the board at two distances; take more poses, near and far");
   }
-  solve.laser.beams_with_prior = static_cast<int>(
-      std::ranges::count_if(solve.bundle.beam_priors, [](const auto& prior) { return prior.has_value(); }));
+  if (!solve.bundle.beam_priors.empty()) {
+    solve.laser.beams_with_prior = static_cast<int>(std::ranges::count_if(solve.pattern.beams, [&](const LaserBeam& b) {
+      return solve.bundle.beam_priors[solve.pattern.grid.index(b.row, b.column)].has_value();
+    }));
+  }
   count_dots(solve);
   return solve;
 }

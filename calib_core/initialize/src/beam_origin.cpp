@@ -29,21 +29,24 @@ struct Shift {
 struct Extent {
   int first = std::numeric_limits<int>::max();
   int last = std::numeric_limits<int>::min();
-  int count() const { return last - first + 1; }
+  int count() const { return last < first ? 0 : last - first + 1; }
 };
 
-// Rows or columns in use. One line alone at the rim of its lattice may be a chance alignment and does not count.
+// Rows or columns in use. One line alone at the rim of its lattice may be a chance alignment and does not count, unless
+// all are alone, as the columns of a single row.
 Extent extent_of(const Places& places, int LatticePlace::*coordinate) {
-  constexpr int kMinLines = 2;
   std::vector<int> values;
   for (const auto& place : places) {
     if (place) values.push_back((*place).*coordinate);
   }
   Extent extent;
-  for (int value : values) {
-    if (std::ranges::count(values, value) < kMinLines) continue;
-    extent.first = std::min(extent.first, value);
-    extent.last = std::max(extent.last, value);
+  for (const int fewest : {2, 1}) {
+    if (extent.count() > 0) break;
+    for (int value : values) {
+      if (std::ranges::count(values, value) < fewest) continue;
+      extent.first = std::min(extent.first, value);
+      extent.last = std::max(extent.last, value);
+    }
   }
   return extent;
 }

@@ -118,7 +118,7 @@ struct Candidate {
 
 // Each dot goes to the beam that explains it, unless a second one does nearly as well.
 Candidate beam_of_hit(const BeamHit& hit, const BeamLines& fitted, const BeamStart& start) {
-  Candidate best, second;
+  Candidate best, second{kUnlabelled, kOnBeam + kAmbiguous};
   for (int beam = 0; beam < static_cast<int>(start.lines.size()); ++beam) {
     if (!start.lines[beam]) continue;
     const Line3& line = *start.lines[beam];
@@ -127,7 +127,7 @@ Candidate beam_of_hit(const BeamHit& hit, const BeamLines& fitted, const BeamSta
     if (distance_between(line, hit.x_in_rig) > 0.1 * hit.x_in_rig.norm()) continue;
     const Candidate candidate{beam, squared_sigmas(line, hit, unsure_m * unsure_m * Eigen::Matrix3d::Identity())};
     if (candidate.squared_sigmas < best.squared_sigmas) {
-      second = best;
+      if (best.beam != kUnlabelled) second = best;
       best = candidate;
     } else if (candidate.squared_sigmas < second.squared_sigmas) {
       second = candidate;

@@ -197,8 +197,6 @@ Disagreement disagreement(const PosedView& a, int a_candidate, const PosedView& 
     Disagreement d;
     d.candidate = static_cast<int>(k);
     const Vector6 motion = motion_in_board(b, d.candidate, expected);
-    d.angle_rad = motion.head<3>().norm();
-    d.distance_m = motion.tail<3>().norm();
     const Matrix6 covariance = a.covariance[a_candidate] + b.covariance[k];
     d.size = std::sqrt(std::max(0.0, motion.dot(covariance.ldlt().solve(motion))) / 6.0);
     if (d.size < best.size) best = d;

@@ -41,10 +41,8 @@ std::vector<SharedBoard> shared_boards(const CalibrationProblem& problem,
 
 /// How two opinions about the place of a board differ.
 struct Disagreement {
-  double angle_rad = 0.0;
-  double distance_m = 0.0;  ///< of the board's centre
-  double size = 0.0;        ///< [rad] noise of the rays that would explain it (Mahalanobis distance over sqrt 6)
-  int candidate = 0;        ///< of the second view, the one that agrees best
+  double size = 0.0;  ///< [rad] noise of the rays that would explain it (Mahalanobis distance over sqrt 6)
+  int candidate = 0;  ///< of the second view, the one that agrees best
 };
 
 /// Compares where view `a` (by its candidate `a_candidate`) puts the board with where view `b` has it.

@@ -35,11 +35,6 @@ bool unproject(const double* parameters, const Eigen::Vector2d& pixel, Eigen::Ve
   return M::ray_from_plane(parameters + 4, plane, ray.data());
 }
 
-template <CameraModel M>
-double max_angle_rad(const double* parameters) {
-  return M::max_angle_rad(parameters + 4);
-}
-
 /// What a view is seen with.
 struct Seen {
   const double* parameters;
@@ -144,7 +139,6 @@ LensFunctions functions_of() {
   functions.project = project<M>;
   functions.project_with_jacobians = project_with_jacobians<M>;
   functions.unproject = unproject<M>;
-  functions.max_angle_rad = max_angle_rad<M>;
   functions.squared_distances = [](const double* parameters, const PointsInView& view, const Rigid3& pose,
                                    std::vector<double>& distances2) {
     distances2.resize(view.points.size());

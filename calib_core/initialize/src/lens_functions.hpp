@@ -39,7 +39,6 @@ struct LensFunctions {
                                  Eigen::Matrix<double, 2, 3, Eigen::RowMajor>& wrt_ray,
                                  double* wrt_parameters) = nullptr;
   bool (*unproject)(const double* parameters, const Eigen::Vector2d& pixel, Eigen::Vector3d& ray) = nullptr;
-  double (*max_angle_rad)(const double* parameters) = nullptr;
   /// Squared distances [px²] of a view's corners from where the lens puts them; infinite where it does not project
   /// them.
   void (*squared_distances)(const double* parameters, const PointsInView& view, const Rigid3& pose,

@@ -12,7 +12,7 @@ namespace raybundle {
 /// every view's corners where they are, as well as a lens with poses does. Focal length and distance are then one
 /// unknown.
 ///
-/// @param noise_px  median distance of the corners under the lens and poses that fit best
+/// @param noise_px  mean distance of most corners under the lens and poses that fit best
 bool all_parallel_to_image(const std::vector<PointsInView>& views, double noise_px);
 
 }  // namespace raybundle

@@ -202,7 +202,7 @@ TEST(CheckTies, AnExcessOfOneIsHonestAndASmallMotionStandsOut) {
     }
   }
   const std::vector<TieCheck> checks =
-      check_ties(world.problem, world.cameras, world.camera_from_rig, world.poses, world.pose_of_view);
+      check_ties(world.problem, world.cameras, world.camera_from_rig, world.shapes, world.poses, world.pose_of_view);
   ASSERT_GE(checks.size(), 5u);
   for (const TieCheck& check : checks) {
     if (check.pose == moved) {

@@ -22,7 +22,7 @@ inline Line3 operator*(const Rigid3& b_from_a, const Line3& line_in_a) {
 }
 
 /// Two unit vectors across a direction: with it they are a right-handed frame (first, second, direction). They depend
-/// on the direction only and turn smoothly with it, except at -z.
+/// on the direction only and turn smoothly with it, except across z = 0.
 ///
 /// Source: Duff et al. 2017, Building an Orthonormal Basis, Revisited.
 Eigen::Matrix<double, 3, 2> across(const Eigen::Vector3d& direction);
