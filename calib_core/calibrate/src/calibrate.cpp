@@ -24,6 +24,7 @@
 #include "raybundle/camera/injectivity.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/initialize/rig_start.hpp"
+#include "rig_problem.hpp"
 #include "robust_solve.hpp"
 #include "stopwatch.hpp"
 #include "subproblem.hpp"
@@ -31,41 +32,6 @@
 
 namespace raybundle {
 namespace {
-
-/// The cameras that could be calibrated alone, as one problem, and what they have told alone.
-struct RigProblem {
-  std::vector<int> cameras;  ///< of the whole problem
-  Subproblem sub;
-  std::size_t own_rules = 0;                                        ///< the others hold coefficients that were given up
-  std::vector<double> sigmas_alone;                                 ///< aligned with cameras
-  std::vector<std::optional<Rigid3>> camera_from_target, mirrored;  ///< here and below: aligned with the views
-  std::vector<std::vector<ObservationFate>> fates;
-  std::vector<std::string> reasons;
-};
-
-// Takes the views' observations out of the whole problem.
-RigProblem rig_problem(CalibrationProblem& whole, const CamerasAlone& alone) {
-  RigProblem rig;
-  for (int c = 0; c < static_cast<int>(whole.cameras.size()); ++c) {
-    if (alone.cameras[c]) rig.cameras.push_back(c);
-  }
-  if (rig.cameras.empty()) throw Error(ErrorKind::kNotEnoughData, alone.why_not.front());
-  rig.sub = take_cameras(whole, rig.cameras);
-  CalibrationProblem& problem = rig.sub.problem;
-  rig.own_rules = problem.rules.size();
-  problem.lens_priors = alone.lens_priors;
-  for (const int c : rig.cameras) {
-    std::ranges::copy(alone.given_up[c], std::back_inserter(problem.rules));
-    rig.sigmas_alone.push_back(alone.sigmas[c]);
-  }
-  for (const int v : rig.sub.views) {
-    rig.camera_from_target.push_back(alone.camera_from_target[v]);
-    rig.mirrored.push_back(alone.mirrored[v]);
-    rig.fates.push_back(alone.fates[v]);
-    rig.reasons.push_back(alone.reasons[v]);
-  }
-  return rig;
-}
 
 RigStart start_of(const RigProblem& rig, std::vector<StageTime>& stages) {
   const Stopwatch stopwatch(stages, "start");
@@ -122,15 +88,22 @@ void warn_of_folds(const CalibrationProblem& problem, const BundleState& state, 
 void keep_lenses_beyond_corners(CalibrationProblem& problem, const CalibrateOptions& options,
                                 const std::vector<double>& sigmas_alone, JointSolve& solve) {
   SolvedState& solved = solve.solved;
-  const auto solve_again = [&](const CalibrationProblem& simpler, BundleState& of_simpler) {
-    SolvedState start{std::move(of_simpler), std::move(solved.reasons), {}};
-    JointSolve again = solve_jointly(simpler, options, sigmas_alone, std::move(start));
-    of_simpler = std::move(again.solved.state);
-    solved.reasons = std::move(again.solved.reasons);
-    return again.solved.summary;
+  std::vector<std::string> reasons;  // of the trials
+  const auto solve_again = [&](const CalibrationProblem& simpler, BundleState& of_simpler) -> BundleSummary {
+    try {
+      SolvedState start{std::move(of_simpler), reasons, {}};
+      JointSolve again = solve_jointly(simpler, options, sigmas_alone, std::move(start));
+      of_simpler = std::move(again.solved.state);
+      reasons = std::move(again.solved.reasons);
+      return again.solved.summary;
+    } catch (const Error& refusal) {  // of lenses with which the cameras make no rig
+      return {.termination = Termination::kFailed, .message = refusal.what()};
+    }
   };
   for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
+    reasons = solved.reasons;
     if (!give_up_coefficients(problem, solved.state, c, solved.summary, solve_again)) continue;
+    solved.reasons = reasons;
     solve = solve_jointly(problem, options, sigmas_alone, solved);
   }
 }
@@ -179,6 +152,11 @@ CalibrationResult for_whole_problem(const CalibrationProblem& whole, const RigPr
   }
   for (std::size_t c = 0; c < whole.cameras.size(); ++c) {
     if (!alone.cameras[c]) result.warnings.push_back(alone.why_not[c]);
+  }
+  for (const ParameterRule& rule : whole.rules) {
+    if (rig.cameras.front() == 0 || !gives_place(rule)) continue;
+    result.warnings.push_back(fmt::format("{} is not used: it is given as seen from camera {}, which is left out",
+                                          rule.pattern, whole.cameras.front().name));
   }
   result.cameras = std::move(summaries);
   result.views = std::move(views);
@@ -236,7 +214,10 @@ CalibrationResult calibrate_together(CalibrationProblem whole, const CamerasAlon
   add_further_measurements(options, bundle, problem, state, result, evidence);
 
   fill_result(problem, state, result);
-  for (std::size_t c = 0; c < rig.cameras.size(); ++c) result.calibration.cameras[c].evidence = evidence[c];
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    result.calibration.cameras[c].evidence = evidence[c];
+    result.cameras[c].sigma_scale = rig.sigma_scales[c];
+  }
   for (std::size_t v = 0; v < rig.sub.views.size(); ++v) result.views[v].symmetry = start.symmetry_of_view[v];
   add_warnings(rig, state, solve.ties, result);
   std::ranges::copy_if(solve.ties.untied, std::back_inserter(result.set_aside),

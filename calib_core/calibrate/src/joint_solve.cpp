@@ -186,19 +186,31 @@ bool bend_boards(const CalibrationProblem& problem, const CalibrateOptions& opti
   return true;
 }
 
+// Boards are flat again, but for shapes that a rule fixes; whether that changed any.
+bool forget_shapes(const CalibrationProblem& problem, BundleState& state) {
+  const std::vector<BoardShape> before = std::exchange(state.shapes, std::vector<BoardShape>(problem.targets.size()));
+  apply_fixed_values(problem, parameter_blocks(problem), state);
+  return state.shapes != before;
+}
+
 }  // namespace
 
 JointSolve solve_jointly(const CalibrationProblem& problem, const CalibrateOptions& options,
                          const std::vector<double>& sigmas_alone, SolvedState start) {
   JointSolve solve{std::move(start), {}, false};
   auto& [state, reasons, summary] = solve.solved;
+  const bool reshaped = forget_shapes(problem, state);
   if (problem.cameras.size() > 1) summary = solve_rig(problem, state, options, sigmas_alone, solve.ties);
   if (!solve.ties.unsynchronised) {
     const bool changed = give_second_chance(problem, state, options, reasons);
-    const bool still_solved = problem.cameras.size() == 1 && !changed;
+    const bool still_solved = problem.cameras.size() == 1 && !changed && !reshaped;
     const BundleSummary so_far = still_solved ? summary : BundleSummary{};
     summary = solve_without_outliers(problem, state, options, false, reasons, so_far);
     solve.shape_estimated = bend_boards(problem, options, solve.solved);
+    // As long as it was taken for flat, a bent board may have seemed to move.
+    if (solve.shape_estimated && review_ties(problem, state, options, solve.ties)) {
+      summary = solve_without_outliers(problem, state, options, true, reasons);
+    }
   }
   if (summary.termination == Termination::kFailed) {
     throw Error(ErrorKind::kSolveFailed, "the bundle adjustment broke down: " + summary.message);

@@ -59,9 +59,8 @@ std::vector<std::string> contradicted_priors(const CalibrationProblem& problem, 
     for (std::size_t k = 0; k < block.with_prior().size(); ++k) {
       const Parameter& parameter = block.parameters[block.with_prior()[k]];
       if (has_lens_prior(problem, parameter)) continue;
-      const double sigma =
-          result.calibration.covariance.sigma(parameter.name);  // times the root of the variance factor
-      const double told = 1.0 - sigma * sigma / (result.variance_factor * parameter.sigma * parameter.sigma);
+      const double sigma = result.calibration.covariance.sigma(parameter.name) / noise;  // at the corners' stated ones
+      const double told = 1.0 - sigma * sigma / (parameter.sigma * parameter.sigma);
       if (!(sigma > 0.0 && told > 0.0)) continue;
       const double apart = std::abs(prior.residual[static_cast<Eigen::Index>(k)]) / (noise * std::sqrt(told));
       if (apart < kContradictSigmas) continue;

@@ -47,12 +47,18 @@ Subproblem select(const CalibrationProblem& whole, const std::vector<int>& camer
       sub.problem.laser->anchor->view = static_cast<int>(anchored - sub.views.begin());
     }
   }
-  std::ranges::copy_if(whole.rules, std::back_inserter(sub.problem.rules),
-                       [&](const ParameterRule& rule) { return matches_any(rule, sub.problem); });
+  const bool same_frame = cameras.front() == 0;
+  std::ranges::copy_if(whole.rules, std::back_inserter(sub.problem.rules), [&](const ParameterRule& rule) {
+    return matches_any(rule, sub.problem) && (same_frame || !gives_place(rule));
+  });
   return sub;
 }
 
 }  // namespace
+
+bool gives_place(const ParameterRule& rule) {
+  return rule.value && rule.pattern.find("camera_from_rig") != std::string::npos;
+}
 
 Subproblem select_cameras(const CalibrationProblem& whole, const std::vector<int>& cameras) {
   return select(whole, cameras, [&](std::size_t v) { return whole.views[v]; });
@@ -82,10 +88,16 @@ void relabel(CalibrationProblem& problem, const std::vector<int>& symmetry_of_vi
 }
 
 void scale_corners(CalibrationProblem& problem, double scale) {
+  double most = 0.0;
   for (TargetView& view : problem.views) {
     for (Observation& observation : view.observations) {
-      observation.sigma_px = std::max(scale * observation.sigma_px, kSmallestSigma_px);
+      const double scaled_px = std::max(scale * observation.sigma_px, kSmallestSigma_px);
+      most = std::max(most, scaled_px / observation.sigma_px);
+      observation.sigma_px = scaled_px;
     }
+  }
+  for (ParameterRule& rule : problem.rules) {
+    if (rule.kind == ParameterRule::Kind::kPrior) rule.sigma *= most;
   }
 }
 

@@ -77,7 +77,6 @@ void solve_poses(const CalibrationProblem& problem, BundleState& state, int thre
   }
   BundleOptions options;
   options.threads = threads;
-  options.robust_scale_sigma = 0.0;
   solve_bundle(poses_only, state, options);
 }
 
@@ -115,7 +114,7 @@ bool review_ties(const CalibrationProblem& problem, BundleState& state, const Ca
   BundleState tied = with_all_ties(problem, state);
   solve_poses(problem, tied, options.threads);
   const std::vector<TieCheck> checks =
-      check_ties(problem, tied.cameras, tied.camera_from_rig, tied.poses, tied.pose_of_view);
+      check_ties(problem, tied.cameras, tied.camera_from_rig, tied.shapes, tied.poses, tied.pose_of_view);
   review.untied = views_out_of_sight(problem, tied);
   review.doubtful = review.strict = false;
   review.typical_px = 0.0;

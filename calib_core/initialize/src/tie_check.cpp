@@ -23,9 +23,8 @@ struct ViewFit {
   Rigid3 own;
 };
 
-ViewFit fit_of(const CalibrationProblem& problem, const TargetView& view, const Camera& camera, const Rigid3& tied) {
+ViewFit fit_of(const PointsInView& corners, const Camera& camera, const Rigid3& tied) {
   const LensFunctions lens = lens_functions(camera.model);
-  const PointsInView corners = points_in_view(problem.targets[view.target], view);
   std::vector<double> tied_distances;
   pixel_distances(lens, camera.parameters.data(), corners, tied, tied_distances);
   std::vector<double> sorted = tied_distances;
@@ -59,11 +58,21 @@ ViewFit fit_of(const CalibrationProblem& problem, const TargetView& view, const 
   return fit;
 }
 
+// With points where the shape has them.
+std::vector<Target> bent(std::vector<Target> boards, const std::vector<BoardShape>& shapes) {
+  for (std::size_t t = 0; t < boards.size(); ++t) {
+    const std::vector<Eigen::Vector3d> points = points_on_surface(boards[t], shapes[t]);
+    for (std::size_t i = 0; i < points.size(); ++i) boards[t].points[i].x_in_target = points[i];
+  }
+  return boards;
+}
+
 }  // namespace
 
 std::vector<TieCheck> check_ties(const CalibrationProblem& problem, const std::vector<Camera>& cameras,
-                                 const std::vector<Rigid3>& camera_from_rig, const std::vector<BoardPose>& poses,
-                                 const std::vector<int>& pose_of_view) {
+                                 const std::vector<Rigid3>& camera_from_rig, const std::vector<BoardShape>& shapes,
+                                 const std::vector<BoardPose>& poses, const std::vector<int>& pose_of_view) {
+  const std::vector<Target> boards = bent(problem.targets, shapes);
   std::map<int, std::vector<int>> views_of_pose;
   for (std::size_t v = 0; v < problem.views.size(); ++v) {
     if (pose_of_view[v] >= 0) views_of_pose[pose_of_view[v]].push_back(static_cast<int>(v));
@@ -79,7 +88,8 @@ std::vector<TieCheck> check_ties(const CalibrationProblem& problem, const std::v
     for (const int v : views) {
       const TargetView& view = problem.views[v];
       const Rigid3 tied = camera_from_rig[view.camera] * poses[pose].rig_from_target;
-      const ViewFit fit = fit_of(problem, view, cameras[view.camera], tied);
+      const PointsInView corners = points_in_view(boards[view.target], view);
+      const ViewFit fit = fit_of(corners, cameras[view.camera], tied);
       all.tied_px2 += fit.tied_px2;
       all.own_px2 += fit.own_px2;
       all.corners += fit.corners;

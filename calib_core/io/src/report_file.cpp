@@ -30,6 +30,7 @@ OrderedJson json_from_cameras(const CalibrationProblem& problem, const Calibrati
                       {"median_px", summary.median_px},
                       {"views_used", summary.views_used},
                       {"views_total", summary.views_total},
+                      {"sigma_scale", summary.sigma_scale},
                       {"corners_used", summary.corners_used},
                       {"corners_outlier", summary.corners_outlier}};
     const auto found = std::ranges::find(result.calibration.cameras, camera.name, &RigCamera::name);

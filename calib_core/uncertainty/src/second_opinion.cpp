@@ -137,12 +137,21 @@ SecondOpinion parametric_opinion(MrcalProblem request, const CalibrationProblem&
   return opinion;
 }
 
+// With the weights that the first opinion gave its cameras.
+CalibrationProblem weighed_as(CalibrationProblem problem, const CalibrationResult& first) {
+  for (TargetView& view : problem.views) {
+    for (Observation& seen : view.observations) seen.sigma_px *= first.cameras[view.camera].sigma_scale;
+  }
+  return problem;
+}
+
 }  // namespace
 
-std::vector<SecondOpinion> second_opinions(const CalibrationProblem& problem, const CalibrationResult& first) {
+std::vector<SecondOpinion> second_opinions(const CalibrationProblem& given, const CalibrationResult& first) {
   SecondOpinion none;
-  none.why_not = mrcal_objection(problem, first);
+  none.why_not = mrcal_objection(given, first);
   if (!none.why_not.empty()) return {none};
+  const CalibrationProblem problem = weighed_as(given, first);
   const MrcalProblem request = mrcal_request(problem, first);
   return {parametric_opinion(request, problem, first), splined_opinion(request, first.calibration)};
 }

@@ -25,9 +25,10 @@ struct TieCheck {
 /// between exposures too little for initialize_rig to see stand out here, in pixels.
 ///
 /// @param cameras, camera_from_rig  aligned with problem.cameras
+/// @param shapes                    aligned with problem.targets: a bent board taken as flat seems to have moved
 /// @param pose_of_view              aligned with problem.views; -1: not used
 std::vector<TieCheck> check_ties(const CalibrationProblem& problem, const std::vector<Camera>& cameras,
-                                 const std::vector<Rigid3>& camera_from_rig, const std::vector<BoardPose>& poses,
-                                 const std::vector<int>& pose_of_view);
+                                 const std::vector<Rigid3>& camera_from_rig, const std::vector<BoardShape>& shapes,
+                                 const std::vector<BoardPose>& poses, const std::vector<int>& pose_of_view);
 
 }  // namespace raybundle

@@ -58,6 +58,7 @@ struct CameraSummary {
   int views_total = 0;
   int corners_used = 0;
   int corners_outlier = 0;
+  double sigma_scale = 1.0;  ///< that the sigmas of its corners were multiplied by: its noise against the others'
 };
 
 /// A camera's parameter without and with further measurements in the solve: a laser's dots, or landmarks.

@@ -22,6 +22,7 @@ struct BoardShape {
   double bend_y_m = 0.0;
   double twist_m = 0.0;
 
+  bool operator==(const BoardShape&) const = default;
   Eigen::Vector3d sags() const { return {bend_x_m, bend_y_m, twist_m}; }
   static BoardShape from_sags(const Eigen::Vector3d& sags) { return {sags.x(), sags.y(), sags.z()}; }
 };

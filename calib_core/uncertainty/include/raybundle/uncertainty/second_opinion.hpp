@@ -33,6 +33,6 @@ struct SecondOpinion {
 /// compared.
 ///
 /// There is none for boards that are no regular grid, parameters that rules fix, or builds without mrcal.
-std::vector<SecondOpinion> second_opinions(const CalibrationProblem& problem, const CalibrationResult& first);
+std::vector<SecondOpinion> second_opinions(const CalibrationProblem& given, const CalibrationResult& first);
 
 }  // namespace raybundle
