@@ -13,6 +13,8 @@
 namespace raybundle {
 namespace {
 
+constexpr double kRounding_px = 1e-6;  // of a ray that goes to the middle of an outermost pixel
+
 using RemapRow = void (*)(const RemapTable& table, GreyView image, int row, Extent columns, std::uint8_t* out);
 
 // Columns of a row: the four neighbours, weighted by the eight bits behind the point.
@@ -100,13 +102,16 @@ RemapTable remap_table(const Camera& camera, const RectifiedCamera& rectified,
       const auto ray = rectified.ray_from_pixel({u, v});
       if (!ray) continue;
       const auto pixel = pixel_from_ray(camera, camera_from_rectified * *ray);
-      if (!pixel || !(pixel->minCoeff() >= 0) || !(pixel->x() <= camera.size.width - 1) ||
-          !(pixel->y() <= camera.size.height - 1)) {
+      if (!pixel || !(pixel->minCoeff() >= -kRounding_px) || !(pixel->x() <= camera.size.width - 1 + kRounding_px) ||
+          !(pixel->y() <= camera.size.height - 1 + kRounding_px)) {
         continue;
       }
       // On the last row and column the neighbour behind is taken with 255/256 of the weight.
-      table.x_256[i] = std::min(static_cast<int>(std::lround(256 * pixel->x())), 256 * (camera.size.width - 1) - 1);
-      table.y_256[i] = std::min(static_cast<int>(std::lround(256 * pixel->y())), 256 * (camera.size.height - 1) - 1);
+      const auto rounded = [](double x, int pixels) {
+        return std::clamp(static_cast<int>(std::lround(256 * x)), 0, 256 * (pixels - 1) - 1);
+      };
+      table.x_256[i] = rounded(pixel->x(), camera.size.width);
+      table.y_256[i] = rounded(pixel->y(), camera.size.height);
       table.covered[i] = 1;
     }
   }

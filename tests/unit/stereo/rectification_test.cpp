@@ -154,6 +154,75 @@ TEST(Rectify, ANarrowPairIsAdvisedAPinholeAndAWideOneIsNot) {
   EXPECT_EQ(rectify(wide_left, wide_right).camera.projection, RectifiedProjection::kTransverseEquirectangular);
 }
 
+// A pair that is rectified already, with its principal point off the middle.
+Pair rectified_pair() {
+  RigCamera left{"left", start_camera(*model_named("pinhole"), {640, 480}, 600.0), {}};
+  left.camera.parameters[2] += 3.25;
+  left.camera.parameters[3] -= 7.5;
+  RigCamera right = left;
+  right.name = "right";
+  right.camera_from_rig.translation.x() = -0.1;
+  return {left, right};
+}
+
+TEST(Rectify, ARectifiedPairRectifiesToItself) {
+  const auto [left, right] = rectified_pair();
+  const Rectification pair = rectify(left, right);
+  EXPECT_EQ(pair.camera.size, left.camera.size);
+  EXPECT_NEAR(pair.camera.focal_px, 600.0, 1e-6);  // the derivative that it is taken from is numeric
+  EXPECT_NEAR(pair.camera.centre_px.x(), left.camera.cx(), 1e-6);
+  EXPECT_NEAR(pair.camera.centre_px.y(), left.camera.cy(), 1e-6);
+  EXPECT_EQ(pair.kept_left, 1.0);
+  EXPECT_EQ(pair.kept_right, 1.0);
+}
+
+TEST(Remap, ImagesOfARectifiedPairStayAsTheyAre) {
+  const auto [left, right] = rectified_pair();
+  const Rectification pair = rectify(left, right);
+  const auto [width, height] = left.camera.size;
+  ASSERT_EQ(pair.camera.size, left.camera.size);
+  std::vector<std::uint8_t> pixels(static_cast<std::size_t>(width) * height), out(pixels.size());
+  std::mt19937 random(4);
+  for (auto& pixel : pixels) pixel = static_cast<std::uint8_t>(random());
+  const RemapTable table = remap_table(left.camera, pair.camera, pair.rectified_from_left);
+  remap(table, {pixels.data(), width, height, width}, {out.data(), width, height, width});
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      const std::size_t i = static_cast<std::size_t>(v) * width + u;
+      ASSERT_TRUE(table.covered[i]) << u << " " << v;
+      // the last row and column take 1/256 of the one before
+      const int most = v == height - 1 || u == width - 1 ? 2 : 0;
+      ASSERT_LE(std::abs(out[i] - pixels[i]), most) << u << " " << v;
+    }
+  }
+}
+
+TEST(Rectify, KeptIsTheShareOfTheImageThatALimitedFieldLeaves) {
+  const auto [left, right] = rectified_pair();
+  RectifyOptions options;
+  options.field_x_rad = 2 * std::atan(160.0 / 600.0);  // half of the columns, and all rows
+  options.field_y_rad = 2 * std::atan(247.5 / 600.0);
+  const Rectification pair = rectify(left, right, options);
+  EXPECT_NEAR(pair.kept_left, 0.5, 1.0 / 97);  // as fine as it is sampled
+  EXPECT_NEAR(pair.kept_right, 0.5, 1.0 / 97);
+}
+
+// A lens whose image ends within the outermost pixel: what is beyond has no ray, and its field is kept all the same.
+TEST(Rectify, ALensWithoutRaysAtTheEdgesKeepsTheFieldOfTheOutermostPixels) {
+  RigCamera left{"left", start_camera(*model_named("kannala_brandt"), {160, 120}, 79.8 / 0.8), {}};
+  left.camera.parameters[4] = -1 / (3 * 1.2 * 1.2);  // from 1.2 rad on, at 0.8 focal lengths, the radius falls
+  ASSERT_FALSE(ray_from_pixel(left.camera, {-0.5, left.camera.cy()}));
+  const auto last = ray_from_pixel(left.camera, {0.0, left.camera.cy()});
+  ASSERT_TRUE(last);
+  RigCamera right = left;
+  right.name = "right";
+  right.camera_from_rig.translation.x() = -0.1;
+  const RectifiedCamera camera = rectify(left, right).camera;
+  const auto pixel = camera.pixel_from_ray(*last);
+  ASSERT_TRUE(pixel);
+  EXPECT_TRUE(camera.contains(*pixel)) << pixel->transpose();
+}
+
 TEST(Rectify, QMatrixGivesThePointsOfAPinholePair) {
   const RigCamera left{"left", start_camera(*model_named("pinhole"), {640, 480}, 600.0), {}};
   RigCamera right = left;
