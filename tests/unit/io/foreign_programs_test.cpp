@@ -68,6 +68,16 @@ TEST(Kalibr, NamesTheLineOfAMistake) {
   EXPECT_THAT(message("[800.0,", "[-800.0,"), HasSubstr("focal length that is not positive"));
 }
 
+TEST(Kalibr, RefusesATransformByColumns) {
+  const Camera camera = start_camera(*model_named("pinhole"), {640, 480}, 800.0);
+  const std::vector<RigCamera> rig{{"left", camera, {}}, {"right", camera, {{}, {-0.1, 0.0, 0.0}}}};
+  std::string text = texts_of(*foreign_format_named("kalibr"), rig)[0].text;
+  text = replaced(text, "- [1.0, 0.0, 0.0, -0.1]", "- [1.0, 0.0, 0.0, 0.0]");
+  text = replaced(text, "- [0.0, 0.0, 0.0, 1.0]", "- [-0.1, 0.0, 0.0, 1.0]");
+  EXPECT_THAT(message_of([&] { read_as("kalibr", with_text(text, "chain.yaml")); }),
+              ::testing::MatchesRegex("chain.yaml:[0-9]+: cam1.T_cn_cnm1 is not a transform by rows.*transposed.*"));
+}
+
 TEST(Ros, TakesAFileWithoutAModelForPlumbBobAsRosDoes) {
   const auto rig = read_as(
       "ros", with_text("image_width: 640\nimage_height: 480\ncamera_name: head\n"
@@ -188,6 +198,16 @@ TEST(Camodocal, IsReadByTheOrderOfItsPlacesAsVinsFusionWritesThem) {
               }),
               HasSubstr("names a file that was not given"));
   EXPECT_THAT(message_of([&] { read_as("camodocal", {files[0], files[1]}); }), HasSubstr("does not say where"));
+}
+
+TEST(Camodocal, RefusesATransformByColumns) {
+  const Camera camera = start_camera(*model_named("pinhole"), {640, 480}, 800.0);
+  std::vector<NamedText> files =
+      texts_of(*foreign_format_named("camodocal"), {{"left", camera, {}}, {"right", camera, {{}, {-0.1, 0.0, 0.0}}}});
+  std::string& places = files.back().text;
+  places = replaced(places, "[1.0, 0.0, 0.0, 0.1,", "[1.0, 0.0, 0.0, 0.0,");
+  places.replace(places.rfind("0.0, 0.0, 0.0, 1.0]"), 3, "0.1");
+  EXPECT_THAT(message_of([&] { read_as("camodocal", files); }), HasSubstr("body_T_cam1 is not a transform by rows"));
 }
 
 TEST(Colmap, GoesByIdsAndByTheValueOfTheReference) {

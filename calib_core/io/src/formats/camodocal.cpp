@@ -100,8 +100,7 @@ std::vector<RigCamera> placed(const NamedText& places, std::span<const NamedText
     const std::vector<double> data = node.at("data").numbers(16);
     const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> matrix(data.data());
     rig.push_back(camera_from(format, *file));
-    rig.back().camera_from_rig =
-        rigid3_from(node, matrix.topLeftCorner<3, 3>(), matrix.topRightCorner<3, 1>()).inverse();
+    rig.back().camera_from_rig = rigid3_from(node, matrix).inverse();
   }
   if (rig.empty()) root.at("body_T_cam0");
   return rig;

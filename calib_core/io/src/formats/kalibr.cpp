@@ -96,7 +96,7 @@ Rigid3 transform_from(const YamlNode& node) {
   for (int i = 0; i < 4; ++i) {
     matrix.row(i) = Eigen::Map<const Eigen::RowVector4d>(rows[static_cast<std::size_t>(i)].data());
   }
-  return rigid3_from(node, matrix.topLeftCorner<3, 3>(), matrix.topRightCorner<3, 1>());
+  return rigid3_from(node, matrix);
 }
 
 // The place on the body that Kalibr, when an IMU was calibrated too, and OpenVINS say.

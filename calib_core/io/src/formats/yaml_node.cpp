@@ -145,4 +145,12 @@ Rigid3 rigid3_from(const YamlNode& node, const Eigen::Matrix3d& rotation, const 
   return *transform;
 }
 
+Rigid3 rigid3_from(const YamlNode& node, const Eigen::Matrix4d& matrix) {
+  constexpr double kRounding = 1e-6;
+  if (!((matrix.row(3) - Eigen::RowVector4d::UnitW()).cwiseAbs().maxCoeff() < kRounding)) {
+    node.fail("is not a transform by rows, the last of them 0 0 0 1; is it transposed?");
+  }
+  return rigid3_from(node, matrix.topLeftCorner<3, 3>(), matrix.topRightCorner<3, 1>());
+}
+
 }  // namespace raybundle

@@ -60,4 +60,9 @@ ImageSize image_size_from(const YamlNode& width_and_height);
 /// @param node  that complaints name, when the matrix is no rotation
 Rigid3 rigid3_from(const YamlNode& node, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation);
 
+/// The transform of a 4×4 matrix.
+///
+/// @param node  that complaints name, when the last row is not 0 0 0 1 or the matrix holds no rotation
+Rigid3 rigid3_from(const YamlNode& node, const Eigen::Matrix4d& matrix);
+
 }  // namespace raybundle
