@@ -89,6 +89,19 @@ TEST(Ros, TakesAFileWithoutAModelForPlumbBobAsRosDoes) {
             (Eigen::VectorXd(9) << 500, 510, 320, 240, -0.3, 0.1, 0.001, -0.002, 0).finished());
 }
 
+TEST(Ros, RefusesACameraMatrixByColumns) {
+  const std::string text = texts_of(*foreign_format_named("ros"),
+                                    {{"left", start_camera(*model_named("pinhole"), {640, 480}, 300.0), {}}})[0]
+                               .text;
+  const auto message = [&](const char* from, const char* to) {
+    return message_of([&] { read_as("ros", with_text(replaced(text, from, to))); });
+  };
+  EXPECT_THAT(message("[300.0, 0.0, 319.5, 0.0, 300.0, 239.5, 0.0, 0.0, 1.0]",
+                      "[300.0, 0.0, 0.0, 0.0, 300.0, 0.0, 319.5, 239.5, 1.0]"),
+              HasSubstr("camera_matrix.data is not fx 0 cx, 0 fy cy, 0 0 1 by rows; is it transposed?"));
+  EXPECT_THAT(message("239.5, 0.0, 0.0, 1.0]", "239.5, 0.0, 0.0, 0.0]"), HasSubstr("camera_matrix.data is not"));
+}
+
 // URDF: the pose of a camera in the first one, roll, pitch and yaw about fixed axes.
 TEST(Ros, TellsThePlaceOfTheSecondCamera) {
   const Camera camera = start_camera(*model_named("pinhole"), {640, 480}, 800.0);
@@ -158,6 +171,11 @@ TEST(OpenCv, ReadsTheCoefficientsByTheirNumber) {
                 read_as("opencv", with_text(replaced(text("1, 2, 3, 4"), "500., 0., 320.", "500., 0.1, 320.")));
               }),
               HasSubstr("skew"));
+  EXPECT_THAT(message_of([&] {
+                read_as("opencv", with_text(replaced(text("1, 2, 3, 4"), "500., 0., 320., 0., 500., 240., 0., 0.,",
+                                                     "500., 0., 0., 0., 500., 0., 320., 240.,")));
+              }),
+              HasSubstr("file:9: camera_matrix.data is not fx 0 cx, 0 fy cy, 0 0 1 by rows; is it transposed?"));
 }
 
 TEST(Colmap, CountsPixelsFromTheCornerOfTheFirst) {

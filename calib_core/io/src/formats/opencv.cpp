@@ -71,11 +71,9 @@ RigCamera camera_from(const ForeignFormat& format, const YamlNode& root, std::si
   const YamlNode d_node = (distortion ? *distortion : root.at("distortion_coefficients")).at("data");
   const ImageSize size =
       image_size_from(width ? *width : root.at("image_width"), height ? *height : root.at("image_height"));
-  const std::vector<double> k = k_node.numbers(9);
-  if (k[1] != 0.0) k_node.fail("has a skew, which no lens here has");
+  std::vector<double> values = pinhole_values(k_node);
   const std::vector<double> coefficients = d_node.numbers();
   const std::string_view name = lens_name_of(root, coefficients.size());
-  std::vector<double> values{k[0], k[4], k[2], k[5]};
   if (name == kOmnidir) values.insert(values.begin(), root.at("xi").number());
   values.insert(values.end(), coefficients.begin(), coefficients.end());
   const auto [camera, fault] = camera_from_values(*lens_named(format, name, values.size()), size, values);

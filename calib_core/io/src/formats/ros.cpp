@@ -82,8 +82,7 @@ std::vector<NamedText> write(const ForeignFormat&, const std::vector<ForeignCame
 
 RigCamera camera_from(const ForeignFormat& format, const YamlNode& root) {
   const ImageSize size = image_size_from(root.at("image_width"), root.at("image_height"));
-  const std::vector<double> k = root.at("camera_matrix").at("data").numbers(9);
-  if (k[1] != 0.0) root.at("camera_matrix").fail("has a skew, which no lens here has");
+  std::vector<double> values = pinhole_values(root.at("camera_matrix").at("data"));
   const auto model = root.find("distortion_model");
   if (const auto ignored = root.find("camera_model"); ignored && !model) {
     ignored->fail(
@@ -92,7 +91,6 @@ RigCamera camera_from(const ForeignFormat& format, const YamlNode& root) {
   }
   const std::string name = model ? model->text() : "plumb_bob";  // as ROS takes a file without one
   const YamlNode coefficients = root.at("distortion_coefficients").at("data");
-  std::vector<double> values{k[0], k[4], k[2], k[5]};
   const std::vector<double> more = coefficients.numbers();
   values.insert(values.end(), more.begin(), more.end());
   const ForeignLens* lens = lens_named(format, name, values.size());

@@ -138,6 +138,15 @@ ImageSize image_size_from(const YamlNode& width_and_height) {
   return {static_cast<int>(size[0]), static_cast<int>(size[1])};
 }
 
+std::vector<double> pinhole_values(const YamlNode& camera_matrix) {
+  const std::vector<double> k = camera_matrix.numbers(9);
+  if (k[1] != 0.0) camera_matrix.fail("has a skew, which no lens here has");
+  if (k[3] != 0.0 || k[6] != 0.0 || k[7] != 0.0 || k[8] != 1.0) {
+    camera_matrix.fail("is not fx 0 cx, 0 fy cy, 0 0 1 by rows; is it transposed?");
+  }
+  return {k[0], k[4], k[2], k[5]};
+}
+
 Rigid3 rigid3_from(const YamlNode& node, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation) {
   constexpr double kRounding = 1e-3;  // of a matrix that was written with four digits
   const auto transform = rigid3_from_matrix(rotation, translation, kRounding);

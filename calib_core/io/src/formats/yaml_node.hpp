@@ -55,6 +55,9 @@ class YamlNode {
 ImageSize image_size_from(const YamlNode& width, const YamlNode& height);
 ImageSize image_size_from(const YamlNode& width_and_height);
 
+/// fx, fy, cx, cy of the nine numbers of a camera matrix by rows, checked to be one without skew.
+std::vector<double> pinhole_values(const YamlNode& camera_matrix);
+
 /// The transform of a rotation matrix, row by row, and a translation.
 ///
 /// @param node  that complaints name, when the matrix is no rotation
