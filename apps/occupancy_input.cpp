@@ -14,6 +14,12 @@
 #include "vehicle_file.hpp"
 
 namespace raybundle::apps {
+namespace {
+
+// A row or column; -1 for what is no whole number, which a conversion would cut to one.
+int place_in_grid(const nlohmann::json& value) { return value.is_number_integer() ? value.get<int>() : -1; }
+
+}  // namespace
 
 InstalledSensor read_installed_sensor(const std::string& path) {
   const toml::table file = vehicle_file(path);
@@ -40,7 +46,7 @@ PointFrame read_point_frame(const std::string& path, const InstalledSensor& sens
     }
     std::vector<char> taken(static_cast<std::size_t>(sensor.rays()), 0);
     for (const auto& point : json.at("points")) {
-      const int row = point.at("row"), column = point.at("column");
+      const int row = place_in_grid(point.at("row")), column = place_in_grid(point.at("column"));
       if (row < 0 || row >= sensor.rows || column < 0 || column >= sensor.columns ||
           taken[row * sensor.columns + column]++ > 0) {
         throw Error(
@@ -54,6 +60,11 @@ PointFrame read_point_frame(const std::string& path, const InstalledSensor& sens
         throw Error(ErrorKind::kBadInput,
                     fmt::format("row {}, column {} lies beyond {:g} m; make it again", row, column, kFarthestPoint_m),
                     path);
+      }
+      for (const double variance : {covariance[0], covariance[4], covariance[8]}) {
+        if (variance >= 0.0) continue;
+        throw Error(ErrorKind::kBadInput,
+                    fmt::format("row {}, column {} has a negative variance; make it again", row, column), path);
       }
       frame.points.push_back({row * sensor.columns + column, sensor.vehicle_from_camera * Eigen::Vector3d(x.data()),
                               std::sqrt(covariance[0] + covariance[4] + covariance[8])});

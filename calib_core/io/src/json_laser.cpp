@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "json_laser.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -69,6 +70,11 @@ Eigen::Matrix4d covariance_from(const JsonNode& rows) {
     if (covariance(i, i) < 0) row.fail("has a negative variance on the diagonal; correct it");
   }
   if (covariance != covariance.transpose()) rows.fail("is not symmetric; correct it");
+  constexpr double kRounding = 1e-9;  // of numbers that were written with fewer digits than they have
+  const Eigen::Vector4d variances = Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d>(covariance).eigenvalues();
+  if (variances.minCoeff() < -kRounding * variances.maxCoeff()) {
+    rows.fail("is no covariance, as the variance in one of its directions is negative; correct it");
+  }
   return covariance;
 }
 

@@ -188,6 +188,7 @@ TEST(CalibrationFile, EveryComplaintNamesLineAndKey) {
       {"\"row\":0", "\"row\":7", "laser.beams[0].row is 7; it must be a whole number from 0 to 1"},
       {"\"column\":2", "\"column\":0", "laser.beams[1] stands after a beam of the same or a later row and column"},
       {"\"covariance\":[[1e-07", "\"covariance\":[[-1", "laser.beams[0].covariance[0] has a negative variance"},
+      {"\"covariance\":[[1e-07", "\"covariance\":[[1e-30", "laser.beams[0].covariance is no covariance"},
       {"\"camera\":\"", "\"camera\":\"not", "self_test[0].camera 'not"},
       {"\"provenance\": {", "\"provenance\": {,", "this is not valid JSON, the mistake is at the end of"},
   };

@@ -54,7 +54,7 @@ class OccupancyMonitor {
   OccupancyMonitor(const VehicleLayout& layout, CaseBase base, int rays, const MonitorOptions& options = {});
 
   /// @param measured  INVALID, and the frames before forgotten, when its rays are not those of the constructor
-  /// @param seat      as it is set, as far as that is known: the cases' boxes move and recline with it
+  /// @param seat      as it is set, as far as that is known: the cases' boxes move with it, and do not recline
   Occupancy process(const Scan& measured, const SeatPose& seat = {});
 
   /// Forgets the frames before.
