@@ -108,6 +108,15 @@ TEST(BeamMemory, BeginsWithTheCalibrationAndComesToWhatItSees) {
   EXPECT_NEAR(memory.off(kBeam, 0.3, 2.0).variance, calibrated, 1e-9);
 }
 
+// A false alarm stays until the next start, so it is the life of a car that counts, not an hour.
+TEST(Health, IsStatedToRaiseNoFalseAlarmInTheLifeOfACar) {
+  constexpr double kFrames = 20.0 * 3600.0 * 6000.0;  // twenty a second, 6000 hours of driving
+  EXPECT_LE(HealthOptions{}.false_alarm_rate * kFrames, 0.05);
+  const SensorTable table = sensor_table(sensor_world({11, 11}, 12.0).calibration, "", {}, "a test");
+  const BeamSet beams(table);
+  EXPECT_NEAR(Health(beams, {}).report().threshold, 51.0, 0.1);  // 5e-11 of the law of three degrees lie above
+}
+
 TEST(Health, IsDegradedWithoutDots) {
   const SensorWorld world = sensor_world({11, 11}, 12.0);
   const SensorTable table = sensor_table(world.calibration, "", {}, "a test");
