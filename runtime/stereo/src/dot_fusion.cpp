@@ -126,13 +126,17 @@ std::optional<AnchorDot> anchor_dot(const Rectification& pair, const Eigen::Vect
   return AnchorDot{pixel->x(), pixel->y(), disparity(1.0), std::abs(per_part) * sigma_part};
 }
 
-DotFusion::DotFusion(ImageSize size, const DotFusionOptions& options)
+DotFusion::DotFusion(ImageSize size, const DotFusionOptions& options, std::span<const float> calibration_sigma_px)
     : size_(size),
       options_(checked(size, options)),
       columns_(static_cast<int>(size.width / options.reach_px) + 1),
       rows_(static_cast<int>(size.height / options.reach_px) + 1),
-      cells_(static_cast<std::size_t>(columns_) * rows_) {
+      cells_(static_cast<std::size_t>(columns_) * rows_),
+      calibration_sigma_px_(calibration_sigma_px.begin(), calibration_sigma_px.end()) {
   const std::size_t pixels = static_cast<std::size_t>(size.width) * size.height;
+  require(calibration_sigma_px.empty() || calibration_sigma_px.size() == pixels,
+          "the calibration's sigma is for another number of pixels");
+  calibration_sigma_px_.resize(pixels);
   dots_.reserve(static_cast<std::size_t>(options.most_dots));
   disparity_px_.resize(pixels);
   sigma_px_.resize(pixels);
@@ -250,7 +254,8 @@ int DotFusion::contradict(const Plane& plane) {
       if (source_[i] != static_cast<std::uint8_t>(DisparitySource::kMatched)) continue;
       const double du = u - plane.dot.u_px, dv = v - plane.dot.v_px;
       const double error = disparity_px_[i] - plane.at(du, dv);
-      const double variance = static_cast<double>(sigma_px_[i]) * sigma_px_[i] + plane.variance(du, dv);
+      const double variance = std::pow(static_cast<double>(sigma_px_[i]), 2) +
+                              std::pow(static_cast<double>(calibration_sigma_px_[i]), 2) + plane.variance(du, dv);
       if (error * error <= options_.contradict_sigmas * options_.contradict_sigmas * variance) continue;
       source_[i] = static_cast<std::uint8_t>(DisparitySource::kContradicted);
       disparity_px_[i] = sigma_px_[i] = 0.0F;

@@ -54,7 +54,7 @@ struct StereoMatcher::Data {
         matcher(pair.camera.size, options.match),
         cloud(pair, sigma),
         points(pair.camera.size) {
-    if (options.dots) fusion.emplace(pair.camera.size, *options.dots);
+    if (options.dots) fusion.emplace(pair.camera.size, *options.dots, sigma.disparity_sigma_px);
     for (std::size_t i = 0; i < left_table.covered.size(); ++i) {
       covered += static_cast<int>(left_table.covered[i] & right_table.covered[i]);
     }

@@ -202,6 +202,19 @@ TEST(DotFusion, MatchesStayUnlessADotOnThemContradicts) {
   }
 }
 
+// What all matches may be off by contradicts none of them.
+TEST(DotFusion, ACalibrationThatMayBeOffIsNotContradicted) {
+  Scene scene;
+  scene.add_grid(slanted, 2);
+  for (int i = 0; i < kPixels; ++i) {
+    scene.match[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(Match::kMatched);
+    scene.disparity[static_cast<std::size_t>(i)] = static_cast<float>(slanted(i % kSize.width, i / kSize.width) + 2.0);
+  }
+  DotFusion sure(kSize), unsure(kSize, {}, std::vector<float>(kPixels, 1.0F));
+  EXPECT_GT(scene.fused_by(sure).contradicted, 0);
+  EXPECT_EQ(scene.fused_by(unsure).contradicted, 0);
+}
+
 TEST(DotFusion, AWronglyLabelledDotLeavesAHoleAndNoWrongDepth) {
   Scene scene;
   scene.add_grid(slanted, 4);

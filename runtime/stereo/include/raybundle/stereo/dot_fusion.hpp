@@ -68,8 +68,10 @@ struct FusedView {
 /// All memory is taken by the constructor; fuse() takes none and throws nothing.
 class DotFusion {
  public:
+  /// @param calibration_sigma_px  of the disparity of each pixel, by which all matches there may be off; empty: none
   /// @throws Error(kBadInput) for options or a size that cannot be
-  explicit DotFusion(ImageSize size, const DotFusionOptions& options = {});
+  explicit DotFusion(ImageSize size, const DotFusionOptions& options = {},
+                     std::span<const float> calibration_sigma_px = {});
 
   /// @param left   rectified
   /// @param dense  of the same size, Matcher's
@@ -105,6 +107,7 @@ class DotFusion {
   int columns_, rows_;       // of cells with a side of the reach
   std::vector<int> cells_;   // the first dot of each
   std::vector<Plane> dots_;  // of capacity most_dots
+  std::vector<float> calibration_sigma_px_;
   std::vector<float> disparity_px_, sigma_px_;
   std::vector<std::uint8_t> source_;
 };
