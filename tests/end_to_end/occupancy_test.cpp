@@ -178,7 +178,9 @@ TEST(Occupancy, SaysWhatIsWrongWithItsInput) {
   EXPECT_NE(with("rows", "rows = 12").find("11 rows"), std::string::npos);
   EXPECT_NE(with("critical_m", "critcal_m = 0.2").find("'critcal_m'. Did you mean \"critical_m\"?"), std::string::npos);
 
-  const auto layout = [&](const std::string& line) { return with("out_of_position_m", "out_of_position_m = 0.40\n" + line); };
+  const auto layout = [&](const std::string& line) {
+    return with("out_of_position_m", "out_of_position_m = 0.40\n" + line);
+  };
   EXPECT_NE(layout("track_m = -5").find("must not be below 0"), std::string::npos);
   EXPECT_NE(layout("lift_m = 1e9").find("no cabin is so large"), std::string::npos);
   EXPECT_NE(layout("most_recline_rad = 40").find("give radians"), std::string::npos);
