@@ -16,9 +16,9 @@ constexpr double kMostRecline_rad = 1.75;  // 100 degrees: a seat that lies flat
 
 // What decides about an airbag has to be a cabin.
 void check(const VehicleLayout& layout, const std::string& path) {
-  for (const double length_m : {layout.dashboard_x_m, layout.dashboard_top_m, layout.zone_floor_m,
-                                layout.zone_half_width_m, layout.out_of_position_m, layout.roof_m, layout.track_m,
-                                layout.lift_m}) {
+  for (const double length_m :
+       {layout.dashboard_x_m, layout.dashboard_top_m, layout.zone_floor_m, layout.zone_half_width_m,
+        layout.out_of_position_m, layout.roof_m, layout.track_m, layout.lift_m}) {
     if (std::abs(length_m) <= kFarthest_m) continue;
     throw Error(ErrorKind::kBadInput,
                 fmt::format("[vehicle] holds {:g} m, and no cabin is so large; give metres", length_m), path);
@@ -34,17 +34,18 @@ void check(const VehicleLayout& layout, const std::string& path) {
     throw Error(ErrorKind::kBadInput, "[vehicle] zone_half_width_m must be above 0", path);
   }
   if (!(layout.track_m >= 0.0 && layout.lift_m >= 0.0)) {
-    throw Error(ErrorKind::kBadInput, "[vehicle] track_m and lift_m are lengths of travel and must not be below 0", path);
+    throw Error(ErrorKind::kBadInput, "[vehicle] track_m and lift_m are lengths of travel and must not be below 0",
+                path);
   }
   if (!(layout.least_recline_rad <= layout.most_recline_rad)) {
     throw Error(ErrorKind::kBadInput, "[vehicle] least_recline_rad must not be above most_recline_rad", path);
   }
   for (const double recline_rad : {layout.least_recline_rad, layout.most_recline_rad}) {
     if (std::abs(recline_rad) <= kMostRecline_rad) continue;
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("[vehicle] holds a recline of {:g} rad, and no back rest leans so far; give radians",
-                            recline_rad),
-                path);
+    throw Error(
+        ErrorKind::kBadInput,
+        fmt::format("[vehicle] holds a recline of {:g} rad, and no back rest leans so far; give radians", recline_rad),
+        path);
   }
   if (!(layout.roof_m > layout.zone_floor_m)) {
     throw Error(ErrorKind::kBadInput, "[vehicle] roof_m must be above zone_floor_m", path);

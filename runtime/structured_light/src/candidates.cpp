@@ -13,14 +13,20 @@ constexpr double kWithinDepths = 2.2;
 
 }  // namespace
 
-BeamSet::BeamSet(const SensorTable& table_) : table(table_) {
-  beams.reserve(table.beams.size());
-  for (const TableBeam& beam : table.beams) beams.push_back(beam_geometry(beam));
+BeamSet::BeamSet(const SensorTable& table_)
+    : table(table_), beams(table.beams.size()), most_by_wavelength(table.beams.size()) {
+  set_log_wavelength(0.0);
 }
 
 void BeamSet::set_log_wavelength(double log_wavelength_) {
   log_wavelength = log_wavelength_;
-  for (std::size_t i = 0; i < beams.size(); ++i) beams[i] = beam_geometry(table.beams[i], log_wavelength);
+  const double nearest = 1.0 / table.range.explained_from_m();
+  for (std::size_t i = 0; i < beams.size(); ++i) {
+    const BeamGeometry& beam = beams[i] = beam_geometry(table.beams[i], log_wavelength);
+    // At an inverse distance i, on a ray r, along = r · direction / i - point · direction.
+    const double offset = beam.wavelength[0] - beam.wavelength[1] * beam.point.dot(beam.direction);
+    most_by_wavelength[i] = nearest * std::abs(offset) + std::abs(beam.wavelength[1]);
+  }
 }
 
 Candidates::Candidates(int most_dots) {
@@ -32,6 +38,7 @@ Candidates::Candidates(int most_dots) {
 void Candidates::find(const BeamSet& set, std::span<const Dot> dots) {
   assert(dots.size() <= rays_.capacity());
   const SensorRange& range = set.table.range;
+  const double unknown = kGateSigmas * std::sqrt(set.log_wavelength_variance);  // part of ln(wavelength)
   rays_.clear();
   candidates_.clear();
   first_.assign(1, 0);
@@ -39,20 +46,22 @@ void Candidates::find(const BeamSet& set, std::span<const Dot> dots) {
     const bool in_image = set.table.rays.size.contains(dot.pixel);
     const RayTable::Ray ray = in_image ? set.table.rays.at(dot.pixel) : RayTable::Ray{};
     const std::size_t begin = candidates_.size();
-    const double most_per_px2 = ray.per_px.squaredNorm();
-    const double tolerance_px2 = range.tolerance_px * range.tolerance_px;
+    const double most_per_px = ray.per_px.norm();
     const auto beams = in_image ? set.table.candidates.at(dot.pixel) : std::span<const std::uint16_t>{};
     for (const int b : beams) {
       const BeamGeometry& beam = set.beams[b];
       const double off = beam.off_plane(ray.direction);
-      if (!(off * off <= tolerance_px2 * most_per_px2)) continue;             // NaN: there is no ray
+      const double most = range.tolerance_px * most_per_px + unknown * set.most_by_wavelength[b];
+      if (!(std::abs(off) <= most)) continue;                                 // NaN: there is no ray
       const Eigen::Vector2d gradient = ray.per_px.transpose() * beam.normal;  // of off_plane by the pixel [1/px]
       const double per_px2 = gradient.squaredNorm();
-      if (off * off > tolerance_px2 * per_px2) continue;
       const BeamPoint point = beam_point(beam, ray.direction);
+      const double by_wavelength = beam.off_plane_by_wavelength(point.along_m, point.inverse_distance);
+      if (std::abs(off) > range.tolerance_px * std::sqrt(per_px2) + unknown * std::abs(by_wavelength)) continue;
       if (!(point.x.z() >= range.explained_from_m())) continue;
-      const double variance =
-          gradient.dot(dot.covariance_px2 * gradient) + beam.off_plane_variance(point.along_m, point.inverse_distance);
+      const double variance = gradient.dot(dot.covariance_px2 * gradient) +
+                              beam.off_plane_variance(point.along_m, point.inverse_distance) +
+                              by_wavelength * by_wavelength * set.log_wavelength_variance;
       if (off * off > kGateSigmas * kGateSigmas * variance) continue;
       if (candidates_.size() - begin == kMostOfDot) {
         candidates_.resize(begin);

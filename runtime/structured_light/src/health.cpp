@@ -87,18 +87,19 @@ void Health::take(std::span<const Sample> samples, Frame& frame) const {
     const Eigen::Vector2d gradient = sample.ray.per_px.transpose() * beam.normal;
     const double of_dot = gradient.dot(sample.covariance_px2 * gradient);
     const double of_beam = beam.off_plane_variance(point.along_m, point.inverse_distance);
-    const double clip = kClipSigmas * std::sqrt(of_dot + of_beam);
-    const double off = std::clamp(beam.off_plane(sample.ray.direction), -clip, clip);
     Vector4 by;
     by << beam.off_plane_by_wavelength(point.along_m, point.inverse_distance),
         (point.x - centre_).cross(beam.normal) * point.inverse_distance;
+    const double of_wavelength = by[0] * by[0] * beams_.log_wavelength_variance;
+    const double clip = kClipSigmas * std::sqrt(of_dot + of_beam + of_wavelength);
+    const double off = std::clamp(beam.off_plane(sample.ray.direction), -clip, clip);
     // Beams that have been moved to another wavelength leave the rest only.
     const double off_calibrated = off + by[0] * beams_.log_wavelength;
     const BeamMemory::Off known = memory_.off(sample.beam, point.along_m, point.inverse_distance);
     frame.by_calibration.add(by, off_calibrated, of_dot, of_beam, frames);
-    frame.by_calibration.squares += off * off / (of_dot + of_beam);
+    frame.by_calibration.squares += off * off / (of_dot + of_beam + of_wavelength);
     frame.by_memory.add(by, off_calibrated - known.mean, of_dot, known.variance, frames);
-    frame.by_memory.squares += std::pow(off - known.mean, 2) / (of_dot + known.variance);
+    frame.by_memory.squares += std::pow(off - known.mean, 2) / (of_dot + known.variance + of_wavelength);
     frame.seen.push_back({sample.beam, point.along_m, point.inverse_distance, off_calibrated, by[0], of_dot});
   }
 }

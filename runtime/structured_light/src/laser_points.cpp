@@ -8,7 +8,7 @@
 namespace raybundle {
 
 LaserPoint laser_point(const TableBeam& beam, const BeamGeometry& geometry, const RayTable::Ray& ray,
-                       const Eigen::Matrix2d& covariance_px2) {
+                       const Eigen::Matrix2d& covariance_px2, double log_wavelength_variance) {
   const BeamPoint at = beam_point(geometry, ray.direction);
   const Eigen::Matrix3d in_plane =
       Eigen::Matrix3d::Identity() - geometry.normal * geometry.normal.transpose();  // projects onto the epipolar plane
@@ -23,9 +23,11 @@ LaserPoint laser_point(const TableBeam& beam, const BeamGeometry& geometry, cons
   const Eigen::Matrix<double, 3, 2> basis = across(beam.line.direction);
   Eigen::Matrix<double, 3, 4> by_motion;
   by_motion << by_shift * basis, at.along_m * (by_shift * basis);
+  const Eigen::Matrix4d of_motion =
+      beam.covariance + log_wavelength_variance * beam.per_wavelength * beam.per_wavelength.transpose();
   LaserPoint point;
   point.x_in_camera = at.x;
-  point.covariance = by_px * covariance_px2 * by_px.transpose() + by_motion * beam.covariance * by_motion.transpose();
+  point.covariance = by_px * covariance_px2 * by_px.transpose() + by_motion * of_motion * by_motion.transpose();
   return point;
 }
 

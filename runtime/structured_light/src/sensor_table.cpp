@@ -44,6 +44,18 @@ Eigen::Vector4d per_wavelength(const LaserPattern& laser, int row, int column, c
   return (motion_between(line, camera_from_rig * *to) - motion_between(line, camera_from_rig * *from)) / (2.0 * kStep);
 }
 
+// Where the dots of a beam may be seen, sigma by sigma of the wavelength: the drift covers what is between.
+std::vector<CurvePoint> curves_by_wavelength(const Camera& camera, const TableBeam& beam, const SensorRange& range) {
+  const int most = beam.per_wavelength.isZero() ? 0 : kWavelengthSigmas;
+  std::vector<CurvePoint> all;
+  for (int sigmas = -most; sigmas <= most; ++sigmas) {
+    const Line3 line = perturbed(beam.line, sigmas * kLogWavelengthSigma * beam.per_wavelength);
+    const auto curve = beam_curve(camera, line, {range.explained_from_m(), kFarAway_m}, kCurveStep_px);
+    all.insert(all.end(), curve.begin(), curve.end());
+  }
+  return all;
+}
+
 void require_sense(const SensorRange& range) {
   if (!(range.nearest_m >= 0.01) || !(range.farthest_m > range.nearest_m) || !(range.farthest_m <= 1000.0)) {
     throw Error(ErrorKind::kBadInput, "the depths must be from 0.01 to 1000 m, the nearest below the farthest");
@@ -103,7 +115,7 @@ SensorTable sensor_table(const Calibration& calibration, const std::string& came
   std::vector<std::vector<CurvePoint>> curves, endless;
   for (const TableBeam& beam : table.beams) {
     curves.push_back(beam_curve(camera.camera, beam.line, range, kCurveStep_px));
-    endless.push_back(beam_curve(camera.camera, beam.line, {range.explained_from_m(), kFarAway_m}, kCurveStep_px));
+    endless.push_back(curves_by_wavelength(camera.camera, beam, range));
   }
   table.candidates = candidate_lists(camera.camera.size, endless, range.tolerance_px + table.drift_px + kCurveStep_px);
   std::size_t seen = 0;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Geometry>
+#include <cmath>
 #include <vector>
 
 #include "cabin_scene.hpp"
@@ -39,6 +41,41 @@ inline SensorWorld sensor_world(const LaserGrid& grid, double turn_deg, double b
     laser.beams.push_back(known);
   }
   world.calibration.laser = laser;
+  return world;
+}
+
+/// What a grating emits at another wavelength; ln of it over that of the calibration.
+inline std::vector<EmittedBeam> emitted_by(const LaserPattern& laser, double log_wavelength) {
+  std::vector<EmittedBeam> beams;
+  Grating grating = *laser.grating;
+  grating.wavelength_scale = std::exp(log_wavelength);
+  for (int b = 0; b < laser.grid.size(); ++b) {
+    const int row = laser.grid.row(b), column = laser.grid.column(b);
+    const double m = column - laser.zero_order_column, n = row - laser.zero_order_row;
+    beams.push_back({row, column, *beam_of_order(grating, m, n), 1.0});
+  }
+  return beams;
+}
+
+/// The same camera beside a projector that is its grating's model, so that it is known how the wavelength moves beams.
+inline SensorWorld grating_world(const LaserGrid& grid, double turn_deg, double beam_sigma_m = 1e-4) {
+  SensorWorld world = sensor_world(grid, turn_deg, beam_sigma_m);
+  Grating grating;
+  grating.rig_from_projector.translation = {0.06, 0.003, -0.004};
+  grating.rig_from_projector.rotation = Eigen::AngleAxisd(turn_deg * M_PI / 180.0, Eigen::Vector3d::UnitZ());
+  grating.column_pitch = 1.4 / grid.columns;
+  grating.row_pitch = 1.1 / grid.rows;
+  LaserPattern& laser = *world.calibration.laser;
+  laser.grating = grating;
+  laser.zero_order_column = 0.5 * (grid.columns - 1);
+  laser.zero_order_row = 0.5 * (grid.rows - 1);
+  world.beams = emitted_by(laser, 0.0);
+  laser.beams.clear();
+  for (const EmittedBeam& beam : world.beams) {
+    LaserBeam known{.row = beam.row, .column = beam.column, .line = {beam.line.at(0.6), beam.line.direction}};
+    known.covariance = beam_sigma_m * beam_sigma_m * Eigen::Matrix4d::Identity();
+    laser.beams.push_back(known);
+  }
   return world;
 }
 

@@ -16,7 +16,7 @@ struct Candidate {
   int dot = 0;
   int beam = 0;                   ///< index into SensorTable::beams
   double inverse_distance = 0.0;  ///< from the camera's centre [1/m]
-  double off_sigmas = 0.0;        ///< distance of the dot from the curve over its standard deviation, of dot and beam
+  double off_sigmas = 0.0;        ///< distance of the dot from the curve over its sigma, of dot, beam and wavelength
   double log_odds = 0.0;  ///< by distance and depth: a dot of the beam against one anywhere within the tolerance
   bool measures = true;
 };
@@ -30,7 +30,9 @@ struct BeamSet {
 
   const SensorTable& table;
   std::vector<BeamGeometry> beams;
+  std::vector<double> most_by_wavelength;  ///< of each: bound of off_plane_by_wavelength(), either sign
   double log_wavelength = 0.0;
+  double log_wavelength_variance = 0.0;  ///< of that; its error is common to all beams. 0: taken as known
 };
 
 /// The candidates of all dots of an image, dot by dot. Its memory is taken once.
@@ -42,7 +44,7 @@ class Candidates {
   explicit Candidates(int most_dots);
 
   /// Epipolar and depth test of every dot against the beams of its cell. A dot belongs to a curve within the table's
-  /// tolerance and within `kGateSigmas`; one beside the image to none.
+  /// tolerance and within `kGateSigmas`, where the wavelength's uncertainty widens both; one beside the image to none.
   ///
   /// @param dots  at most as many as said at the start
   void find(const BeamSet& beams, std::span<const Dot> dots);

@@ -19,8 +19,8 @@ struct HealthOptions {
   /// the life of a car counts: at twenty frames a second for 6000 hours, fewer than one in twenty sees a false one. At
   /// 1e-6 it would be one every 14 hours, for turns that are a fifth smaller.
   double false_alarm_rate = 1e-10;
-  int least_dots = 30;              ///< labelled, in the window: with fewer nothing is known
-  double wavelength_sigma = 0.005;  ///< of ln(wavelength), before anything is seen: 15 K of a laser diode
+  int least_dots = 30;                            ///< labelled, in the window: with fewer nothing is known
+  double wavelength_sigma = kLogWavelengthSigma;  ///< of ln(wavelength), before anything is seen
 };
 
 /// What the labelled dots say about the calibration.

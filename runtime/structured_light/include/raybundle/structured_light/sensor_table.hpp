@@ -36,8 +36,14 @@ struct TableBeam {
   Eigen::Vector4d per_wavelength = Eigen::Vector4d::Zero();  ///< motion for each unit of ln(wavelength); 0: not known
 };
 
+/// Sigma of ln(wavelength) over that of the calibration while nothing is seen: 15 K of a laser diode.
+inline constexpr double kLogWavelengthSigma = 0.005;
+
+/// Within so many it is looked for, 60 K: calibrated in a room, started on a hot or an icy day.
+inline constexpr int kWavelengthSigmas = 4;
+
 /// The beams that can be seen in a square cell of the image: from the depth on that is explained, within tolerance and
-/// drift.
+/// drift, by a laser within kWavelengthSigmas.
 struct CandidateLists {
   int cell_px = 16;
   int columns = 0;  ///< of cells
@@ -61,7 +67,7 @@ struct SensorTable {
   std::string camera;  ///< its name in the calibration
   std::string origin;  ///< what the table was made of, for people
   SensorRange range;
-  double drift_px = 2.0;  ///< by which curves may move, with temperature, before the candidate lists miss some
+  double drift_px = 2.0;  ///< by which curves may move, besides with wavelength, before the candidate lists miss some
   RayTable rays;
   LaserGrid grid;
   std::vector<TableBeam> beams;  ///< sorted by row, then column

@@ -19,9 +19,10 @@ struct StructuredLightOptions {
   Labeller labeller = kLabellers.front();
   DotFinderOptions dots;
   HealthOptions health;
-  bool follow_wavelength = true;  ///< moves the beams to the wavelength that the dots tell
+  bool follow_wavelength = true;  ///< moves the beams to the wavelength that the dots tell; else it is taken as known
   double most_slant = 6.0;        ///< of the mesh: longer sides over those of a surface that faces the camera
   double least_labelled = 0.5;    ///< share of the dots below which the state is kDegraded
+  double least_beams = 0.25;      ///< share of the table's beams with a point below which it is kDegraded, too
 };
 
 /// What one image says. The spans are of the sensor and valid until its next image.
@@ -56,8 +57,12 @@ class StructuredLight {
   const SensorTable& table() const { return beams_.table; }
 
  private:
-  void place_points();
-  void watch();
+  /// Leaves the beams at the wavelength by which the labels are likeliest, or, when too few dots have one, at the
+  /// calibration's with the uncertainty of before anything is seen. Whether it was found.
+  bool find_wavelength();
+  void choose_labels();
+  void label_dots();
+  void judge();
 
   StructuredLightOptions options_;
   int most_dots_;
@@ -67,6 +72,7 @@ class StructuredLight {
   Candidates candidates_;
   LabelWork work_;
   Health health_;
+  bool drifts_;  ///< whether it is known of any beam how the wavelength moves it
   std::vector<Dot> dots_;
   std::vector<LaserPoint> points_;
   std::vector<int> point_of_beam_;
