@@ -8,8 +8,8 @@
 namespace raybundle {
 namespace {
 
-constexpr int kAround = 32;  // disparities searched around those of a coarser level
-constexpr int kStep = 8;     // where they begin is rounded: pixels of a window should begin at the same one
+constexpr int kAround = 64;  // disparities searched around those of a coarser level
+constexpr int kStep = 32;    // where they begin is rounded: only pixels that begin at the same one help each other
 
 MatchOptions level_options(MatchOptions options, bool coarser) {
   if (coarser) options.disparities = std::min(options.disparities, kAround);

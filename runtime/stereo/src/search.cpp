@@ -76,26 +76,33 @@ PathRow Search::path_row(const std::uint8_t* costs, int v) {
 }
 
 // The large steps to row v: along it, and from the row before it, which is above or below. Where that was not searched,
-// a path begins.
-void Search::steps_of(GreyView left, int v, int before) {
+// or from another disparity on, a path begins.
+void Search::steps_of(const SearchedPair& pair, int v, int before) {
+  const GreyView left = pair.left;
   const RepeatedByte* steps = large_steps_.data();
-  const auto fill = [steps](const std::uint8_t* a, const std::uint8_t* b, int count, RepeatedByte* out) {
+  const auto fill = [&](const std::uint8_t* a, const std::uint8_t* b, int count, RepeatedByte* out) {
     for (int x = 0; x < count; ++x) out[x] = steps[std::abs(a[x] - b[x])];
+  };
+  const auto begin_where = [](const std::int16_t* a, const std::int16_t* b, int count, RepeatedByte* out) {
+    for (int x = 0; x < count; ++x) out[x] = a[x] == b[x] ? out[x] : 0;
   };
   const std::uint8_t* here = left.row(v);
   const auto [begin, end] = extent(v);
   fill(here + begin + 1, here + begin, end - begin - 1, large_across_.data() + begin + 1);
+  const std::int16_t* first = pair.first.row(v);
+  begin_where(first + begin + 1, first + begin, end - begin - 1, large_across_.data() + begin + 1);
   std::fill(large_along_.begin() + begin, large_along_.begin() + end, RepeatedByte{0});
   if (before < 0 || before >= size_.height) return;
   const int from = std::max(begin, extent(before).begin), to = std::min(end, extent(before).end);
   fill(here + from, left.row(before) + from, to - from, large_along_.data() + from);
+  begin_where(first + from, pair.first.row(before) + from, to - from, large_along_.data() + from);
 }
 
-void Search::gather_down(GreyView left, int v) {
+void Search::gather_down(const SearchedPair& pair, int v) {
   const std::uint8_t* costs = costs_->row(v);
   PathRow row = path_row(costs, v);
   if (options_.paths == 0) return kernels_.best(row);
-  steps_of(left, v, v - 1);
+  steps_of(pair, v, v - 1);
   kernels_.across(row);
   if (options_.paths == 4) {
     const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(v) * size_.width * lanes_;
@@ -106,11 +113,11 @@ void Search::gather_down(GreyView left, int v) {
   along_.swap(along_before_);
 }
 
-void Search::gather_up(GreyView left, int v) {
+void Search::gather_up(const SearchedPair& pair, int v) {
   const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(v) * size_.width * lanes_;
   PathRow row = path_row(all_costs_.data() + first, v);
   row.from_left = all_sums_.data() + first;
-  steps_of(left, v, v + 1);
+  steps_of(pair, v, v + 1);
   kernels_.along(row);
   along_.swap(along_before_);
 }
@@ -172,13 +179,13 @@ void Search::run(const SearchedPair& pair, const std::uint8_t* left_covered, flo
   }
   costs_->begin(pair, extents_);
   for (int v = 0; v < size_.height; ++v) {
-    gather_down(pair.left, v);
+    gather_down(pair, v);
     if (options_.paths < 4) judge_row(v, pair, left_covered, disparity_px, sigma_px, match);
   }
   if (options_.paths < 4) return;
   std::fill(from_right_.begin(), from_right_.end(), std::uint8_t{0});
   for (int v = size_.height - 1; v >= 0; --v) {
-    gather_up(pair.left, v);
+    gather_up(pair, v);
     judge_row(v, pair, left_covered, disparity_px, sigma_px, match);
   }
 }

@@ -36,9 +36,9 @@ class Search {
   }
   Extent extent(int v) const { return extents_[static_cast<std::size_t>(v)]; }
   PathRow path_row(const std::uint8_t* costs, int v);
-  void steps_of(GreyView left, int v, int before);
-  void gather_down(GreyView left, int v);
-  void gather_up(GreyView left, int v);
+  void steps_of(const SearchedPair& pair, int v, int before);
+  void gather_down(const SearchedPair& pair, int v);
+  void gather_up(const SearchedPair& pair, int v);
   void find_agreeing(Extent extent, const std::int16_t* first, const std::uint8_t* right_covered);
   void judge_row(int v, const SearchedPair& pair, const std::uint8_t* left_covered, float* disparity_px,
                  float* sigma_px, std::uint8_t* match);

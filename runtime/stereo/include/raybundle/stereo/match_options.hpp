@@ -46,7 +46,7 @@ struct MatchOptions {
   double small_step = 0.25;  ///< cost of a disparity that changes by one along a path, as a share of the largest cost
   double large_step = 1.4;   ///< cost of one that changes by more
   double edge_grey = 20.0;   ///< step of grey values that halves the cost of a large step: depth often changes there
-  /// Sizes, each half of the one before, on which the search begins; the next one searches 32 disparities around it.
+  /// Sizes, each half of the one before, on which the search begins; the next one searches 64 disparities around it.
   /// 0: all disparities of the whole image. Faster for many disparities; thin things may get lost.
   int coarse_levels = 0;
 
