@@ -11,6 +11,7 @@ import { rigFigure } from "./space.js";
 /** Sentences. */
 export function warningsOf(report) {
   const ended = { iteration_limit: "The solve stopped at its limit of iterations before it converged.",
+    blocked: "The solve ended before the optimum: each step to it would leave what a camera model projects.",
     failed: "The solve failed: do not use this calibration." }[report.termination];
   const missing = report.cameras.filter((camera) => !camera.parameters).map((camera) => `Camera ${camera.name} was not calibrated.`);
   return [ended, ...missing, ...report.warnings].filter(Boolean);
@@ -29,7 +30,7 @@ export function tiles(report) {
   const sum = (key) => report.cameras.reduce((total, camera) => total + camera[key], 0);
   const used = sum("corners_used"), left = sum("corners_outlier");
   const tile = (name, value, unit) => el("div", {}, el("dt", {}, name), el("dd", {}, value, " ", el("small", {}, unit)));
-  const ended = { converged: "converged", iteration_limit: "not converged", failed: "failed" }[report.termination];
+  const ended = { converged: "converged", iteration_limit: "not converged", blocked: "not converged", failed: "failed" }[report.termination];
   return el("dl", { class: "tiles" },
     tile("rms, all cameras", px(report.rms_px), "px"),
     tile("views used", count(sum("views_used")), "of " + count(sum("views_total"))),

@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kStepTolerance = 1e-12;  // of a step that ends the solve, relative to the unknowns
 constexpr double kSmallestGain = 1e-3;    // of a step that is taken: decrease over what was predicted
+constexpr double kFirstRadius = 1e9;      // hardly any damping
+constexpr double kLeftToGain = 1e-6;      // of the cost: a solve that rests with more to gain has been blocked
 
 // How far the quadratic model is trusted: the inverse of the damping. Source: Nielsen, "Damping parameter in
 // Marquardt's method", 1999, as in Ceres, with its constants; but the first radius is that of starts which are near.
@@ -31,7 +33,7 @@ class TrustRegion {
   }
 
  private:
-  double radius_ = 1e9;
+  double radius_ = kFirstRadius;
   double shrink_ = 2.0;
 };
 
@@ -68,6 +70,13 @@ BundleSummary minimize(NormalEquations& equations, Unknowns& unknowns, const Bun
   summary.initial_cost = here.cost;
   Linearization there;
   TrustRegion region;
+  bool refused_unseen = false;  // a step to where the cost cannot be told
+  const auto rest = [&](const char* message) {
+    const auto onward = refused_unseen ? equations.step(unknowns, here, kFirstRadius) : std::nullopt;
+    return onward && onward->predicted_decrease > kLeftToGain * here.cost
+               ? finish(Termination::kBlocked, "the optimum lies where a camera model does not project")
+               : finish(Termination::kConverged, message);
+  };
   while (!region.vanished()) {
     if (summary.iterations == options.max_iterations)
       return finish(Termination::kIterationLimit, "iteration limit reached");
@@ -78,9 +87,9 @@ BundleSummary minimize(NormalEquations& equations, Unknowns& unknowns, const Bun
       if (region.vanished()) return finish(Termination::kFailed, "the normal equations could not be solved");
       continue;
     }
-    if (negligible(*step, unknowns)) return finish(Termination::kConverged, "the steps have become negligible");
+    if (negligible(*step, unknowns)) return rest("the steps have become negligible");
     if (step->predicted_decrease <= options.settled * here.cost) {
-      return finish(Termination::kConverged, "no step lowers the cost any more");
+      return rest("no step lowers the cost any more");
     }
     Unknowns candidate = equations.moved(unknowns, *step);
     const bool projectable = equations.linearize(candidate, there);
@@ -92,12 +101,13 @@ BundleSummary minimize(NormalEquations& equations, Unknowns& unknowns, const Bun
       std::swap(unknowns, candidate);
     } else {
       region.refuse();
+      refused_unseen |= !projectable;
     }
     if (projectable && std::abs(decrease) <= options.settled * here.cost) {
-      return finish(Termination::kConverged, "the cost does not change any more");
+      return rest("the cost does not change any more");
     }
   }
-  return finish(Termination::kConverged, "no step lowers the cost, however small");
+  return rest("no step lowers the cost, however small");
 }
 
 std::string refusals_of(const CalibrationProblem& problem, const NormalEquations& equations) {

@@ -164,7 +164,8 @@ CalibrationResult for_whole_problem(const CalibrationProblem& whole, const RigPr
 }
 
 // Of what the solve of the rig leaves doubtful.
-void add_warnings(const RigProblem& rig, const BundleState& state, const TieReview& ties, CalibrationResult& result) {
+void add_warnings(const RigProblem& rig, const BundleState& state, const TieReview& ties, const std::string& message,
+                  CalibrationResult& result) {
   const CalibrationProblem& problem = rig.sub.problem;
   name_given_up(problem, rig.own_rules, result);
   warn_of_folds(problem, state, result);
@@ -176,6 +177,10 @@ void add_warnings(const RigProblem& rig, const BundleState& state, const TieRevi
   }
   if (result.termination == Termination::kIterationLimit) {
     result.warnings.push_back("the solve stopped at the limit of iterations before it converged");
+  }
+  if (result.termination == Termination::kBlocked) {
+    result.warnings.push_back("the solve ended before the optimum: " + message +
+                              "; choose another model for that camera, or leave that image out");
   }
 }
 
@@ -219,7 +224,7 @@ CalibrationResult calibrate_together(CalibrationProblem whole, const CamerasAlon
     result.cameras[c].sigma_scale = rig.sigma_scales[c];
   }
   for (std::size_t v = 0; v < rig.sub.views.size(); ++v) result.views[v].symmetry = start.symmetry_of_view[v];
-  add_warnings(rig, state, solve.ties, result);
+  add_warnings(rig, state, solve.ties, solve.solved.summary.message, result);
   std::ranges::copy_if(solve.ties.untied, std::back_inserter(result.set_aside),
                        [&](const SetAside& untied) { return state.pose_of_view[untied.view] >= 0; });
   name_views_set_aside(state, solve.solved.reasons, result);

@@ -61,7 +61,7 @@ std::vector<OtherSolve> lower_optima(const CalibrationProblem& single, const Bun
     if (other.summary.termination == Termination::kFailed) continue;
     if (spoils_lens(single, state, other.state)) continue;  // or they would crowd out those that may be followed
     come_to.push_back({other.state, other.summary.final_cost});
-    const bool at_rest = other.summary.termination == Termination::kConverged;
+    const bool at_rest = other.summary.termination != Termination::kIterationLimit;
     if (other.summary.final_cost < (at_rest ? 1.0 - kLower : kPromising) * cost) solves.push_back(std::move(other));
   }
   others = std::move(come_to);

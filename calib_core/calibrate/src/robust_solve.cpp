@@ -266,7 +266,8 @@ BundleSummary solve_without_outliers(const CalibrationProblem& problem, BundleSt
   BundleSummary summary = solved;
   for (int round = 0; round < kMaxRounds; ++round) {
     const bool changed = mark_outliers(problem, state, options, reasons);
-    if (!changed && summary.termination == Termination::kConverged) break;
+    const bool at_rest = summary.termination == Termination::kConverged || summary.termination == Termination::kBlocked;
+    if (!changed && at_rest) break;
     if (!changed && round > 0) break;
     summary = solve_bundle(problem, state, bundle);
     if (summary.termination == Termination::kFailed) break;

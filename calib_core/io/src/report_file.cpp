@@ -14,7 +14,7 @@ namespace {
 
 // In the order of the enumerations.
 constexpr const char* kFates[] = {"used", "outlier", "unprojectable", "view_set_aside", "unlabelled"};
-constexpr const char* kTerminations[] = {"converged", "iteration_limit", "failed"};
+constexpr const char* kTerminations[] = {"converged", "iteration_limit", "blocked", "failed"};
 constexpr const char* kScopes[] = {"view", "extrinsics"};
 
 OrderedJson json_from_cameras(const CalibrationProblem& problem, const CalibrationResult& result) {

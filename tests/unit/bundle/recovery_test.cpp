@@ -196,6 +196,23 @@ TEST(RobustLoss, IgnoresFivePercentOutliers) {
   EXPECT_GT(error(plain), 5.0 * error(robust));
 }
 
+// Images of a pincushion lens, and a model that only knows barrels: it would need a beta below zero, which is no lens.
+TEST(Projectability, ASolveThatTheModelStopsSaysSo) {
+  SyntheticOptions options;
+  options.cameras[0].model = "brown_conrady";
+  options.cameras[0].focal_px = 700;
+  options.cameras[0].shape = {0.2, 0.0, 0.0, 0.0, 0.0};
+  options.max_off_axis_rad = 0.4;
+  SyntheticWorld world = synthetic_world(options);
+  BundleState state = true_state(world);
+  world.problem.cameras[0].model = *model_named("extended_unified");
+  state.cameras[0] = start_camera(world.problem.cameras[0].model, options.cameras[0].size, 700.0);
+  world.problem.rules = {{"*.alpha", ParameterRule::Kind::kFixed, 0.5, 0.0}};
+  const BundleSummary summary = solve_bundle(world.problem, state);
+  EXPECT_EQ(summary.termination, Termination::kBlocked) << summary.message;
+  EXPECT_NE(summary.message.find("steps were refused"), std::string::npos) << summary.message;
+}
+
 TEST(Projectability, CornersBehindAPinholeAreMarkedAndLeftOut) {
   SyntheticOptions options;
   options.cameras[0].model = "pinhole";

@@ -96,7 +96,9 @@ struct SurveySummary {
   std::vector<DraggedParameter> parameters;
 };
 
-enum class Termination { kConverged, kIterationLimit, kFailed };
+/// How a solve ended. kBlocked: before the optimum, as each step to it would take corners or dots to where their camera's
+/// model does not project.
+enum class Termination { kConverged, kIterationLimit, kBlocked, kFailed };
 
 /// Seconds that a stage of the work took.
 struct StageTime {
