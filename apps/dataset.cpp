@@ -14,21 +14,20 @@
 #include "raybundle/scene/number.hpp"
 #include "raybundle/scene/suggestion.hpp"
 #include "raybundle/targets/board_toml.hpp"
-#include "table_reader.hpp"
+#include "raybundle/toml/toml_reader.hpp"
 
 namespace raybundle::apps {
 namespace {
 
-DatasetCamera camera_from(const toml::table& table, const std::string& file) {
-  TableReader reader(table, "[[camera]]", file);
+DatasetCamera camera_from(TomlReader& reader) {
   DatasetCamera camera{reader.text("name"), reader.texts("images"), reader.text("model"), {}};
-  if (table.contains("laser_on")) camera.laser_on = reader.texts("laser_on");
+  if (reader.has("laser_on")) camera.laser_on = reader.texts("laser_on");
   reader.refuse_unknown_keys();
-  model_from_name(camera.model, fmt::format("{}:{}", file, table.source().begin.line));
+  model_from_name(camera.model, reader.place());
   return camera;
 }
 
-LaserGrid grid_from(const std::string& word, const TableReader& reader) {
+LaserGrid grid_from(const std::string& word, const TomlReader& reader) {
   constexpr int kMost = 64;
   const auto [columns, rows] = two_numbers_from<int>(word, 'x').value_or(std::array{0, 0});
   if (columns < 1 || rows < 1 || columns > kMost || rows > kMost) {
@@ -38,45 +37,34 @@ LaserGrid grid_from(const std::string& word, const TableReader& reader) {
   return {rows, columns};
 }
 
-// Two numbers in brackets.
-Eigen::Vector2d pair_from(const toml::node& node, const TableReader& reader, const char* what) {
-  const toml::array* array = node.as_array();
-  const bool good = array != nullptr && array->size() == 2 && (*array)[0].is_number() && (*array)[1].is_number();
-  if (!good) reader.fail(&node, fmt::format("{} must be two numbers in brackets", what));
-  return {*(*array)[0].value<double>(), *(*array)[1].value<double>()};
-}
-
-int beam_from(const toml::node& node, const LaserGrid& grid, const TableReader& reader) {
-  const Eigen::Vector2d label = pair_from(node, reader, "a beam, [row, column],");
-  const bool on_grid = label.x() >= 0 && label.x() < grid.rows && label.y() >= 0 && label.y() < grid.columns;
-  const int row = on_grid ? static_cast<int>(label.x()) : 0, column = on_grid ? static_cast<int>(label.y()) : 0;
-  if (!on_grid || row != label.x() || column != label.y()) {
-    reader.fail(&node, fmt::format("there is no beam in row {} and column {} of {} rows and {} columns, counted from 0",
-                                   label.x(), label.y(), grid.rows, grid.columns));
+int beam_from(const toml::node& node, const LaserGrid& grid, const TomlReader& reader) {
+  const toml::array* label = node.as_array();
+  if (label == nullptr || label->size() != 2 || !(*label)[0].is_number() || !(*label)[1].is_number()) {
+    reader.fail(&node, "a beam, [row, column], must be two numbers in brackets");
   }
-  return grid.index(row, column);
+  const double row = *(*label)[0].value<double>(), column = *(*label)[1].value<double>();
+  const bool on_grid = row >= 0 && row < grid.rows && column >= 0 && column < grid.columns;
+  if (!on_grid || row != std::floor(row) || column != std::floor(column)) {
+    reader.fail(&node, fmt::format("there is no beam in row {} and column {} of {} rows and {} columns, counted from 0",
+                                   row, column, grid.rows, grid.columns));
+  }
+  return grid.index(static_cast<int>(row), static_cast<int>(column));
 }
 
-DatasetAnchor anchor_from(const toml::table& table, const LaserGrid& grid, const std::string& file) {
-  TableReader reader(table, "[laser].anchor", file);
-  DatasetAnchor anchor;
-  anchor.camera = reader.text("camera");
-  anchor.frame = reader.text("frame");
-  const toml::node* pixel = reader.get("pixel");
+DatasetAnchor anchor_from(TomlReader& reader, const LaserGrid& grid) {
   const toml::node* beam = reader.get("beam");
-  if (pixel == nullptr || beam == nullptr) {
+  if (!reader.has("pixel") || beam == nullptr) {
     reader.fail(nullptr, "[laser].anchor needs pixel = [u, v] and beam = [row, column]");
   }
-  anchor.pixel = pair_from(*pixel, reader, "[laser].anchor.pixel");
+  const std::vector<double> pixel = reader.numbers("pixel", 2);
   const int index = beam_from(*beam, grid, reader);
-  anchor.row = grid.row(index);
-  anchor.column = grid.column(index);
+  const DatasetAnchor anchor{
+      reader.text("camera"), reader.text("frame"), {pixel[0], pixel[1]}, grid.row(index), grid.column(index)};
   reader.refuse_unknown_keys();
   return anchor;
 }
 
-DatasetLaser laser_from(const toml::table& table, const std::string& file) {
-  TableReader reader(table, "[laser]", file);
+DatasetLaser laser_from(TomlReader& reader) {
   DatasetLaser laser{grid_from(reader.text("grid"), reader), {}, {}, {}};
   if (const toml::node* brightest = reader.get("brightest"))
     laser.brightest = beam_from(*brightest, laser.grid, reader);
@@ -84,56 +72,37 @@ DatasetLaser laser_from(const toml::table& table, const std::string& file) {
     if (!missing->is_array()) reader.fail(missing, "[laser].missing must be a list of beams, as [[0, 0], [0, 10]]");
     for (const toml::node& beam : *missing->as_array()) laser.missing.push_back(beam_from(beam, laser.grid, reader));
   }
-  if (const toml::node* anchor = reader.get("anchor")) {
-    if (!anchor->is_table()) reader.fail(anchor, "[laser].anchor must be a table");
-    laser.anchor = anchor_from(*anchor->as_table(), laser.grid, file);
-  }
+  if (auto anchor = reader.table("anchor", "[laser].anchor")) laser.anchor = anchor_from(*anchor, laser.grid);
   reader.refuse_unknown_keys();
   return laser;
 }
 
-SurveyInput survey_from(const toml::table& table, const std::string& file) {
-  TableReader reader(table, "[survey]", file);
-  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+SurveyInput survey_from(TomlReader& reader, const std::filesystem::path& folder) {
   SurveyInput survey;
   survey.landmarks = (folder / reader.text("landmarks")).generic_string();
   survey.sightings = (folder / reader.text("sightings")).generic_string();
-  survey.height = reader.value<std::string>("height", "a text in quotes").value_or("");
-  survey.sigma_px = reader.value<double>("sigma_px", "a number").value_or(survey.sigma_px);
-  if (!(survey.sigma_px > 0) || !std::isfinite(survey.sigma_px)) {
-    reader.fail(nullptr, "[survey].sigma_px must be positive and finite");
-  }
-  if (const toml::node* origin = reader.get("origin")) {
-    const toml::array* numbers = origin->as_array();
-    for (std::size_t i = 0; numbers != nullptr && i < numbers->size(); ++i) {
-      survey.origin.push_back((*numbers)[i].value<double>().value_or(std::nan("")));
-    }
-    if (survey.origin.size() != 3 || !std::ranges::all_of(survey.origin, [](double x) { return std::isfinite(x); })) {
-      reader.fail(origin, "[survey].origin must be [latitude, longitude, height] in degrees and metres");
-    }
-  }
+  survey.height = reader.text("height", "");
+  survey.sigma_px = reader.positive("sigma_px", survey.sigma_px);
+  if (reader.has("origin")) survey.origin = reader.numbers("origin", 3);  // latitude, longitude, height
   reader.refuse_unknown_keys();
   return survey;
 }
 
-DatasetBoard board_from(const toml::table& table, const std::string& file, std::size_t index) {
-  const std::string folder = std::filesystem::path(file).parent_path().string();
-  const std::string fallback = index == 0 ? "board" : fmt::format("board{}", index + 1);
-  TableReader reader(table, "[target]", file);
-  return {reader.value<std::string>("name", "a text in quotes").value_or(fallback),
-          board_from_toml(table, file, folder, {"name"})};
+DatasetBoard board_from(TomlReader& reader, const std::string& folder, std::size_t index) {
+  const std::string name = reader.text("name", index == 0 ? "board" : fmt::format("board{}", index + 1));
+  return {name, board_from_toml(reader, folder)};
 }
 
-ParameterRule rule_from(const toml::table& table, const std::string& file) {
-  TableReader reader(table, "[[parameter]]", file);
+ParameterRule rule_from(TomlReader& reader) {
+  const auto number = [&](const char* key) {
+    return reader.has(key) ? std::optional(reader.number(key)) : std::nullopt;
+  };
   ParameterRule rule;
   rule.pattern = reader.text("name");
-  const std::optional<double> fixed = reader.value<double>("fixed", "a number");
-  const std::optional<double> prior = reader.value<double>("prior", "a number");
-  const std::optional<double> sigma = reader.value<double>("sigma", "a number");
-  const std::optional<bool> free = reader.value<bool>("free", "true or false");
+  const std::optional<double> fixed = number("fixed"), prior = number("prior"), sigma = number("sigma");
+  const bool free = reader.flag("free", false), said_free = reader.has("free");
   reader.refuse_unknown_keys();
-  if (fixed.has_value() + prior.has_value() + free.value_or(false) != 1 || free == false ||
+  if (fixed.has_value() + prior.has_value() + free != 1 || free != said_free ||
       prior.has_value() != sigma.has_value()) {
     reader.fail(nullptr, "[[parameter]] needs one of: fixed = VALUE; prior = MEAN with sigma = SIGMA; free = true");
   }
@@ -143,14 +112,25 @@ ParameterRule rule_from(const toml::table& table, const std::string& file) {
   return rule;
 }
 
-void read_options(const toml::table& table, const std::string& file, CalibrateOptions& options) {
-  TableReader reader(table, "[calibrate]", file);
+void read_options(TomlReader& reader, CalibrateOptions& options) {
   CalibrateOptions::for_each_option(options, [&]<typename T>(const char* name, const char*, const char*, T& value) {
-    constexpr const char* kWhat = std::is_same_v<T, bool> ? "true or false" : "a number";
-    if (const std::optional<T> found = reader.value<T>(name, kWhat)) value = *found;
+    if constexpr (std::is_same_v<T, bool>) {
+      value = reader.flag(name, value);
+    } else if constexpr (std::is_same_v<T, int>) {
+      if (reader.has(name)) value = reader.whole(name, 0, 1'000'000);
+    } else {
+      value = reader.number(name, value);
+    }
   });
   reader.refuse_unknown_keys();
-  check(options, fmt::format("{}:{}", file, table.source().begin.line));
+  check(options, reader.place());
+}
+
+// The section that may stand there once.
+std::optional<TomlReader> only(TomlReader& root, const char* key, const char* advice) {
+  std::vector<TomlReader> found = root.tables(key);
+  if (found.size() > 1) found[1].fail(nullptr, fmt::format("there is a second [{}]; {}", key, advice));
+  return found.empty() ? std::nullopt : std::optional(std::move(found[0]));
 }
 
 double number(const std::string& text, const std::string& flag) {
@@ -159,19 +139,6 @@ double number(const std::string& text, const std::string& flag) {
     throw Error(ErrorKind::kBadInput, fmt::format("'{}' is not a number in '{}'", text, flag));
   }
   return *value;
-}
-
-// What to do about the mistakes in TOML that people make most.
-std::string toml_hint(const std::string& text, std::string_view problem) {
-  const std::size_t first = text.find_first_not_of(" \t\r\n");
-  const auto says = [&](std::string_view part) { return problem.find(part) != std::string_view::npos; };
-  if (first != std::string::npos && text[first] == '{') {
-    return "; this is JSON, not a dataset.toml: corners found before are given with --observations";
-  }
-  if (says("escape sequence")) return "; write / for \\ in paths";
-  if (says("determine value type")) return "; text stands in quotes, as in kind = \"chessboard\"";
-  if (says("redefine existing table")) return "; of several write each in double brackets, as [[camera]]";
-  return "";
 }
 
 }  // namespace
@@ -185,32 +152,29 @@ ModelId model_from_name(const std::string& name, const std::string& where) {
 }
 
 Dataset dataset_from_text(const std::string& text, const std::string& path) {
-  toml::table root;
-  try {
-    root = toml::parse(text, path);
-  } catch (const toml::parse_error& error) {
-    throw Error(ErrorKind::kBadInput, std::string(error.description()) + toml_hint(text, error.description()),
-                fmt::format("{}:{}", path, error.source().begin.line));
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first != std::string::npos && text[first] == '{') {
+    throw Error(ErrorKind::kBadInput,
+                "this is JSON, not a dataset.toml: corners found before are given with --observations", path);
   }
+  const toml::table table = toml_from_text(text, path);
+  TomlReader reader(table, "the file", path);
   Dataset dataset;
-  dataset.folder = std::filesystem::path(path).parent_path().string();
-  TableReader reader(root, "the file", path);
-  for (const toml::table* table : tables(reader, "target")) {
-    const DatasetBoard board = board_from(*table, path, dataset.boards.size());
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  dataset.folder = folder.string();
+  for (TomlReader& section : reader.tables("target")) {
+    const DatasetBoard board = board_from(section, dataset.folder, dataset.boards.size());
     if (std::ranges::find(dataset.boards, board.name, &DatasetBoard::name) != dataset.boards.end()) {
-      reader.fail(table, fmt::format("two [[target]] are called '{}'; rename one", board.name));
+      section.fail(nullptr, fmt::format("two [[target]] are called '{}'; rename one", board.name));
     }
     dataset.boards.push_back(board);
   }
-  for (const toml::table* table : tables(reader, "camera")) dataset.cameras.push_back(camera_from(*table, path));
-  const std::vector<const toml::table*> lasers = tables(reader, "laser");
-  if (lasers.size() > 1) reader.fail(lasers[1], "there is a second [laser]; a rig has one");
-  for (const toml::table* table : lasers) dataset.laser = laser_from(*table, path);
-  const std::vector<const toml::table*> surveys = tables(reader, "survey");
-  if (surveys.size() > 1) reader.fail(surveys[1], "there is a second [survey]; put all landmarks into one");
-  for (const toml::table* table : surveys) dataset.survey = survey_from(*table, path);
-  for (const toml::table* table : tables(reader, "parameter")) dataset.rules.push_back(rule_from(*table, path));
-  for (const toml::table* table : tables(reader, "calibrate")) read_options(*table, path, dataset.options);
+  for (TomlReader& section : reader.tables("camera")) dataset.cameras.push_back(camera_from(section));
+  if (auto section = only(reader, "laser", "a rig has one")) dataset.laser = laser_from(*section);
+  if (auto section = only(reader, "survey", "put all landmarks into one"))
+    dataset.survey = survey_from(*section, folder);
+  for (TomlReader& section : reader.tables("parameter")) dataset.rules.push_back(rule_from(section));
+  for (TomlReader& section : reader.tables("calibrate")) read_options(section, dataset.options);
   reader.refuse_unknown_keys();
   if (dataset.boards.empty()) reader.fail(nullptr, "there is no [target] section; say which board was used");
   if (dataset.cameras.empty()) reader.fail(nullptr, "there is no [[camera]] section; say where the images are");

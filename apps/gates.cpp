@@ -3,49 +3,33 @@
 #include "gates.hpp"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/scene/csv.hpp"
 #include "raybundle/scene/suggestion.hpp"
+#include "raybundle/toml/toml_reader.hpp"
 
 namespace raybundle::apps {
 namespace {
 
-std::string place_of(const std::string& path, const toml::node& node) {
-  return fmt::format("{}:{}", path, node.source().begin.line);
-}
-
 std::vector<Requirement> requirements_in(const std::string& path) {
-  const std::string text = text_of_file(path);
-  toml::table table;
-  try {
-    table = toml::parse(text, path);
-  } catch (const toml::parse_error& error) {
-    throw Error(ErrorKind::kBadInput, std::string(error.description()),
-                fmt::format("{}:{}", path, error.source().begin.line));
-  }
-  for (const auto& [key, value] : table) {
-    if (key.str() == "require") continue;
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("unknown key '{}'.{}", key.str(), did_you_mean(std::string(key.str()), {"require"})),
-                place_of(path, value));
-  }
-  const toml::array* list = table["require"].as_array();
-  if (list == nullptr || list->empty()) {
-    throw Error(ErrorKind::kBadInput, "it requires nothing; write require = [\"projection 0.2 px over 110 deg\"]",
-                path);
+  const toml::table table = toml_from_text(text_of_file(path), path);
+  TomlReader reader(table, "the file", path);
+  const toml::node* list = reader.get("require");
+  reader.refuse_unknown_keys();
+  if (list == nullptr || !list->is_array() || list->as_array()->empty()) {
+    reader.fail(list, "it requires nothing; write require = [\"projection 0.2 px over 110 deg\"]");
   }
   std::vector<Requirement> requirements;
-  for (const toml::node& entry : *list) {
+  for (const toml::node& entry : *list->as_array()) {
     const auto words = entry.value<std::string>();
-    if (!words) throw Error(ErrorKind::kBadInput, "a requirement is a text in quotes", place_of(path, entry));
+    if (!words) reader.fail(&entry, "a requirement is a text in quotes");
     try {
       requirements.push_back(requirement_from_text(*words));
     } catch (const Error& error) {
-      throw Error(error.kind(), error.what(), place_of(path, entry));
+      throw Error(error.kind(), error.what(), reader.place(entry));
     }
   }
   return requirements;

@@ -22,15 +22,15 @@ int place_in_grid(const nlohmann::json& value) { return value.is_number_integer(
 }  // namespace
 
 InstalledSensor read_installed_sensor(const std::string& path) {
-  const toml::table file = vehicle_file(path);
+  VehicleFile file(path);
   InstalledSensor sensor;
-  sensor.layout = vehicle_layout_in(file, path);
-  VehicleSection section(file, "sensor", path);
-  sensor.rows = section.whole_number("rows", 2, 64);
-  sensor.columns = section.whole_number("columns", 2, 64);
-  sensor.vehicle_from_camera = section.pose();
-  sensor.viewpoint_in_vehicle = Eigen::Vector3d(section.numbers<3>("viewpoint_m").data());
-  section.finish();
+  sensor.layout = file.layout();
+  TomlReader section = file.section("sensor");
+  sensor.rows = section.whole("rows", 2, 64);
+  sensor.columns = section.whole("columns", 2, 64);
+  sensor.vehicle_from_camera = pose_from(section);
+  sensor.viewpoint_in_vehicle = vector3(section, "viewpoint_m");
+  section.refuse_unknown_keys();
   return sensor;
 }
 

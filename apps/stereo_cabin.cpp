@@ -57,10 +57,10 @@ std::vector<Eigen::Vector3d> circles_of(const Head& head) {
 }  // namespace
 
 StereoCabin read_stereo_cabin(const std::string& path) {
-  const toml::table file = vehicle_file(path);
-  VehicleSection section(file, "stereo", path);
-  const StereoCabin cabin{vehicle_layout_in(file, path), section.pose()};
-  section.finish();
+  VehicleFile file(path);
+  TomlReader section = file.section("stereo");
+  const StereoCabin cabin{file.layout(), pose_from(section)};
+  section.refuse_unknown_keys();
   return cabin;
 }
 

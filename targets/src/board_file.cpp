@@ -49,18 +49,10 @@ std::string toml_of(const Board& board) {
 }
 
 Board board_from_toml_text(const std::string& text, const std::string& where, const fs::path& folder) {
-  toml::table file;
-  try {
-    file = toml::parse(text);
-  } catch (const toml::parse_error& error) {
-    throw Error(ErrorKind::kBadInput, fmt::format("is not TOML: {}", error.description()),
-                fmt::format("{}:{}", where, error.source().begin.line));
-  }
-  const toml::node* section = file.get("target");
-  if (section == nullptr || !section->is_table()) {
-    throw Error(ErrorKind::kBadInput, "there is no [target] section, which describes the board", where);
-  }
-  return board_from_toml(*section->as_table(), where, folder);
+  const toml::table file = toml_from_text(text, where);
+  auto section = TomlReader(file, "the file", where).table("target", "[target]");
+  if (!section) throw Error(ErrorKind::kBadInput, "there is no [target] section, which describes the board", where);
+  return board_from_toml(*section, folder);
 }
 
 Board read_board_toml(const fs::path& path) {

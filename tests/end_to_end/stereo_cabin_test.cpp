@@ -140,8 +140,8 @@ TEST(StereoInACar, SaysWhatIsWrongWithTheVehicle) {
   const std::pair<std::string, std::string> cases[] = {
       {good.substr(0, good.find("[stereo]")), "has no section [stereo]"},
       {"= 3", "is not TOML"},
-      {good + "tilt = 3\n", "unknown key 'tilt'"},
-      {good.substr(0, good.find("critical_m")) + "[stereo]\n", "needs critical_m"}};
+      {good + "tilt = 3\n", "unknown field 'tilt'"},
+      {good.substr(0, good.find("critical_m")) + "[stereo]\n", "needs a field 'critical_m'"}};
   for (const auto& [toml, said] : cases) {
     const ProgramRun run = run_with(toml);
     EXPECT_EQ(run.exit_code, 2) << toml;

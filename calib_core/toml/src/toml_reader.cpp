@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Raybundle authors
 // SPDX-License-Identifier: Apache-2.0
-#include "toml_reader.hpp"
+#include "raybundle/toml/toml_reader.hpp"
 
 #include <fmt/format.h>
 
@@ -11,24 +11,56 @@
 #include "raybundle/scene/suggestion.hpp"
 
 namespace raybundle {
+namespace {
+
+std::string hint(std::string_view text, std::string_view problem) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  const auto says = [&](std::string_view part) { return problem.find(part) != std::string_view::npos; };
+  if (first != std::string_view::npos && text[first] == '{') return "; this is JSON";
+  if (says("escape sequence")) return "; write / for \\ in paths";
+  if (says("determine value type")) return "; text stands in quotes, as in kind = \"chessboard\"";
+  if (says("redefine existing table")) return "; of several write each in double brackets, as [[camera]]";
+  return "";
+}
+
+}  // namespace
+
+toml::table toml_from_text(std::string_view text, const std::string& file) {
+  try {
+    return toml::parse(text, file);
+  } catch (const toml::parse_error& error) {
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("is not TOML: {}{}", error.description(), hint(text, error.description())),
+                fmt::format("{}:{}", file, error.source().begin.line));
+  }
+}
 
 TomlReader::TomlReader(const toml::table& table, std::string name, std::string file)
     : table_(table), name_(std::move(name)), file_(std::move(file)) {}
 
+std::string TomlReader::place(const toml::node& node) const {
+  const auto line = node.source().begin.line;
+  return line == 0 ? file_ : fmt::format("{}:{}", file_, line);
+}
+
 void TomlReader::fail(const toml::node* node, const std::string& message) const {
-  const auto line = (node != nullptr ? node->source() : table_.source()).begin.line;
-  throw Error(ErrorKind::kBadInput, message, line == 0 ? file_ : fmt::format("{}:{}", file_, line));
+  throw Error(ErrorKind::kBadInput, message, node != nullptr ? place(*node) : place());
 }
 
 const toml::node* TomlReader::get(const std::string& key) {
-  known_.push_back(key);
+  if (std::ranges::find(known_, key) == known_.end()) known_.push_back(key);
   return table_.get(key);
 }
 
 const toml::node& TomlReader::need(const std::string& key) {
   const toml::node* node = get(key);
-  if (node == nullptr) fail(nullptr, fmt::format("{} needs a field '{}'", name_, key));
-  return *node;
+  if (node != nullptr) return *node;
+  std::vector<std::string> others;
+  for (const std::string& other : keys()) {
+    if (std::ranges::find(known_, other) == known_.end()) others.push_back(other);
+  }
+  const auto meant = closest(key, others);
+  fail(nullptr, fmt::format("{} needs a field '{}'", name_, key) + (meant ? fmt::format("; it has '{}'", *meant) : ""));
 }
 
 std::optional<TomlReader> TomlReader::table(const std::string& key, const std::string& name) {
@@ -42,7 +74,7 @@ std::vector<TomlReader> TomlReader::tables(const std::string& key) {
   const std::string name = fmt::format("[[{}]]", key);
   const toml::node* node = get(key);
   if (node == nullptr) return {};
-  if (node->is_table()) return {TomlReader(*node->as_table(), name, file_)};
+  if (node->is_table()) return {TomlReader(*node->as_table(), fmt::format("[{}]", key), file_)};
   std::vector<TomlReader> found;
   if (const toml::array* array = node->as_array()) {
     for (const toml::node& entry : *array) {
@@ -74,11 +106,7 @@ double TomlReader::positive(const std::string& key) {
   return value;
 }
 
-double TomlReader::positive(const std::string& key, double fallback) {
-  if (has(key)) return positive(key);
-  known_.push_back(key);
-  return fallback;
-}
+double TomlReader::positive(const std::string& key, double fallback) { return has(key) ? positive(key) : fallback; }
 
 double TomlReader::at_least_zero(const std::string& key, double fallback) {
   const double value = number(key, fallback);
@@ -106,6 +134,24 @@ std::string TomlReader::text(const std::string& key) {
   const auto value = node.value_exact<std::string>();
   if (!value || value->empty()) fail(&node, fmt::format("{}.{} must be a text in quotes", name_, key));
   return *value;
+}
+
+std::string TomlReader::text(const std::string& key, const std::string& fallback) {
+  return has(key) ? text(key) : fallback;
+}
+
+std::vector<std::string> TomlReader::texts(const std::string& key) {
+  const toml::node& node = need(key);
+  if (node.is_string()) return {text(key)};
+  std::vector<std::string> all;
+  if (const toml::array* array = node.as_array()) {
+    for (const toml::node& entry : *array) {
+      if (!entry.is_string()) fail(&entry, fmt::format("{}.{} must be a text or a list of texts", name_, key));
+      all.push_back(**entry.as_string());
+    }
+  }
+  if (all.empty()) fail(&node, fmt::format("{}.{} must be a text or a list of texts", name_, key));
+  return all;
 }
 
 bool TomlReader::flag(const std::string& key, bool fallback) {
@@ -153,10 +199,13 @@ void TomlReader::refuse_unknown_keys() const {
   }
 }
 
-Eigen::Vector3d vector3(TomlReader& reader, const std::string& key, const Eigen::Vector3d& fallback) {
-  if (!reader.has(key)) return fallback;
+Eigen::Vector3d vector3(TomlReader& reader, const std::string& key) {
   const std::vector<double> values = reader.numbers(key, 3);
   return {values[0], values[1], values[2]};
+}
+
+Eigen::Vector3d vector3(TomlReader& reader, const std::string& key, const Eigen::Vector3d& fallback) {
+  return reader.has(key) ? vector3(reader, key) : fallback;
 }
 
 }  // namespace raybundle

@@ -9,7 +9,7 @@
 #include "raybundle/scene/csv.hpp"
 #include "raybundle/scene/suggestion.hpp"
 #include "raybundle/synthetic/rig.hpp"
-#include "toml_reader.hpp"
+#include "raybundle/toml/toml_reader.hpp"
 
 namespace raybundle {
 namespace {
@@ -213,15 +213,6 @@ std::vector<SimulatedCamera> cameras_from(TomlReader& root) {
   return cameras;
 }
 
-toml::table parsed(std::string_view text, const std::string& file) {
-  try {
-    return toml::parse(text);
-  } catch (const toml::parse_error& error) {
-    throw Error(ErrorKind::kBadInput, fmt::format("is not TOML: {}", error.description()),
-                fmt::format("{}:{}", file, error.source().begin.line));
-  }
-}
-
 }  // namespace
 
 SimulatedBoard simulated_chessboard(int columns, int rows, double square_m) {
@@ -245,7 +236,7 @@ SimulatedBoard simulated_chessboard(int columns, int rows, double square_m) {
 }
 
 SimulatedBoard chessboard_from_text(const std::string& text, const std::string& file) {
-  const toml::table table = parsed(text, file);
+  const toml::table table = toml_from_text(text, file);
   TomlReader root(table, "the file", file);
   auto reader = root.table("target", "[target]");
   if (!reader) root.fail(nullptr, "there is no [target] section, which describes the board");
@@ -263,7 +254,7 @@ SimulatedBoard chessboard_from_text(const std::string& text, const std::string& 
 }
 
 SimulatedRig rig_from_text(std::string_view text, const std::string& file, const BoardReader& board_reader) {
-  const toml::table table = parsed(text, file);
+  const toml::table table = toml_from_text(text, file);
   TomlReader root(table, "the rig", file);
   SimulatedRig rig;
   rig.cameras = cameras_from(root);

@@ -66,7 +66,7 @@ TEST(BoardToml, ErrorsNameLineAndField) {
   const std::string start = "# a board\n[target]\nkind = \"chessboard\"\n";
   EXPECT_THAT(message_of(start + "columns = 9\nrows = 6\n"), HasSubstr("dataset.toml:2: [target] has no square_m"));
   EXPECT_THAT(message_of(start + "colums = 9\nrows = 6\n"),
-              HasSubstr("dataset.toml:4: a chessboard has no field \"colums\". Did you mean \"columns\"?"));
+              HasSubstr("dataset.toml:4: [target] has an unknown field 'colums'. Did you mean \"columns\"?"));
   EXPECT_THAT(message_of(start + "columns = 9.5\nrows = 6\nsquare_m = 0.025"),
               HasSubstr("dataset.toml:4: columns must be a whole number"));
   EXPECT_THAT(message_of(start + "columns = 9\nrows = 6\nsquare_m = \"25mm\""),
