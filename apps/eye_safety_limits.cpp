@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "eye_safety_limits.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -42,17 +40,6 @@ double c5_of(const LaserDrive& drive, const SafetyEdition& edition, double pulse
   return std::max(by_number, drive.source_mrad <= largest_mrad(edition, drive.pulse_s) ? 0.4 : 0.2);
 }
 
-Eigen::Vector3d common_point(const std::vector<Line3>& beams) {
-  Eigen::Matrix3d normal = 1e-9 * Eigen::Matrix3d::Identity();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  for (const Line3& beam : beams) {
-    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - beam.direction * beam.direction.transpose();
-    normal += across;
-    right += across * beam.point;
-  }
-  return normal.ldlt().solve(right);
-}
-
 }  // namespace
 
 double SafetyLimit::least_W() const { return std::min({single_pulse_W, average_W, pulse_train_W}); }
@@ -86,7 +73,7 @@ SafetyLimit safety_limit(const LaserDrive& drive, const SafetyEdition& edition) 
 }
 
 int beams_in_aperture(const std::vector<Line3>& beams, double distance_m) {
-  const Eigen::Vector3d source = common_point(beams);
+  const Eigen::Vector3d source = point_nearest_to(beams);
   std::vector<Eigen::Vector3d> places;  // on a sphere about the source
   for (const Line3& beam : beams) {
     const Eigen::Vector3d foot = beam.at((source - beam.point).dot(beam.direction));

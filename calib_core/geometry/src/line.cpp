@@ -36,6 +36,17 @@ double distance_between(const Line3& line, const Eigen::Vector3d& point) {
   return line.direction.cross(point - line.point).norm();
 }
 
+Eigen::Vector3d point_nearest_to(std::span<const Line3> lines) {
+  Eigen::Matrix3d normal = 1e-9 * Eigen::Matrix3d::Identity();  // for parallel lines
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (const Line3& line : lines) {
+    const Eigen::Matrix3d across_line = Eigen::Matrix3d::Identity() - line.direction * line.direction.transpose();
+    normal += across_line;
+    right += across_line * line.point;
+  }
+  return normal.ldlt().solve(right);
+}
+
 Line3 line_through(const Eigen::Matrix3Xd& points, const Eigen::ArrayXd& weights, const Eigen::Vector3d& towards) {
   const Eigen::VectorXd w =
       weights.size() > 0 ? Eigen::VectorXd(weights.matrix()) : Eigen::VectorXd::Ones(points.cols());

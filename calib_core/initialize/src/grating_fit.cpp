@@ -50,25 +50,15 @@ Eigen::MatrixXd jacobian(const Grating& grating, const std::vector<OrderedLine>&
   return result;
 }
 
-Eigen::Vector3d common_point(const std::vector<OrderedLine>& lines) {
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  for (const OrderedLine& entry : lines) {
-    const Eigen::Vector3d& d = entry.line.direction;
-    const Eigen::Matrix3d across_line = Eigen::Matrix3d::Identity() - d * d.transpose();
-    normal += across_line;
-    right += across_line * entry.line.point;
-  }
-  return normal.ldlt().solve(right);
-}
-
 // Directions as an affine function of the orders: constant part is the axis, slopes are the steps.
 std::optional<Grating> start(const std::vector<OrderedLine>& lines) {
   Eigen::MatrixXd orders(lines.size(), 3);
   Eigen::MatrixXd directions(lines.size(), 3);
+  std::vector<Line3> beams;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     orders.row(static_cast<Eigen::Index>(i)) << 1.0, lines[i].m, lines[i].n;
     directions.row(static_cast<Eigen::Index>(i)) = lines[i].line.direction;
+    beams.push_back(lines[i].line);
   }
   const auto solver = orders.colPivHouseholderQr();
   if (solver.rank() < 3) return std::nullopt;
@@ -79,7 +69,7 @@ std::optional<Grating> start(const std::vector<OrderedLine>& lines) {
   Eigen::Matrix3d rotation;
   rotation << column.normalized(), axis.cross(column.normalized()), axis;
   Grating grating;
-  grating.rig_from_projector = {Eigen::Quaterniond(rotation), common_point(lines)};
+  grating.rig_from_projector = {Eigen::Quaterniond(rotation), point_nearest_to(beams)};
   grating.column_pitch = column.norm();
   grating.row_pitch = row.norm();
   grating.skew_rad = std::asin(std::clamp(row.normalized().dot(rotation.col(0)), -1.0, 1.0));

@@ -29,16 +29,10 @@ double chi_squared_threshold(double share) {
   return high;
 }
 
-// The place nearest to all beams.
-Eigen::Vector3d common_point(const BeamSet& set) {
-  Eigen::Matrix3d normal = 1e-9 * Eigen::Matrix3d::Identity();  // one beam has no such place
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  for (const BeamGeometry& beam : set.beams) {
-    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - beam.direction * beam.direction.transpose();
-    normal += across;
-    right += across * beam.point;
-  }
-  return normal.ldlt().solve(right);
+Eigen::Vector3d source_of(const SensorTable& table) {
+  std::vector<Line3> lines;
+  for (const TableBeam& beam : table.beams) lines.push_back(beam.line);
+  return point_nearest_to(lines);
 }
 
 const HealthOptions& checked(const HealthOptions& options) {
@@ -51,7 +45,7 @@ const HealthOptions& checked(const HealthOptions& options) {
 Health::Health(const BeamSet& beams, const HealthOptions& options)
     : beams_(beams),
       options_(checked(options)),
-      centre_(common_point(beams)),
+      centre_(source_of(beams.table)),
       memory_(beams, options.memory),
       frames_(options.window) {
   report_.threshold = chi_squared_threshold(0.5 * options.false_alarm_rate);  // of two tests

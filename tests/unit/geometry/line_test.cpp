@@ -61,5 +61,19 @@ TEST_F(LineTest, AWeightCountsLikeRepetition) {
   EXPECT_LT(motion_between(weighted, line_through(thrice, {}, Eigen::Vector3d::UnitX())).norm(), 1e-13);
 }
 
+TEST(Line, ThePointNearestToLinesIsWhereTheyMeet) {
+  const Eigen::Vector3d meet(0.1, -0.2, 0.3);
+  std::vector<Line3> lines;
+  for (const Eigen::Vector3d& towards :
+       {Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(0.3, 0, 1), Eigen::Vector3d(0, 1, 1)}) {
+    Line3 line{meet, towards.normalized()};
+    line.point = line.at(0.7);
+    lines.push_back(line);
+  }
+  EXPECT_LT((point_nearest_to(lines) - meet).norm(), 1e-8);  // the nudge towards the origin moves it by 1e-9 of itself
+  const Line3 alone{{0, 2, 5}, Eigen::Vector3d::UnitZ()};
+  EXPECT_LT((point_nearest_to(std::vector{alone}) - Eigen::Vector3d(0, 2, 0)).norm(), 1e-8);
+}
+
 }  // namespace
 }  // namespace raybundle

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 
 #include "raybundle/geometry/rigid3.hpp"
 
@@ -37,6 +38,9 @@ Eigen::Vector4d motion_between(const Line3& from, const Line3& to);
 
 /// Shortest distance from a point to the line [m].
 double distance_between(const Line3& line, const Eigen::Vector3d& point);
+
+/// The point whose squared distances to the lines have the least sum; of parallel lines the one nearest to the origin.
+Eigen::Vector3d point_nearest_to(std::span<const Line3> lines);
 
 /// The line through points that has the least squared distance to them: centroid and principal axis. Its direction
 /// points along `towards`.
