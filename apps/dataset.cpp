@@ -58,7 +58,7 @@ DatasetAnchor anchor_from(TomlReader& reader, const LaserGrid& grid) {
   }
   const std::vector<double> pixel = reader.numbers("pixel", 2);
   const int index = beam_from(*beam, grid, reader);
-  const DatasetAnchor anchor{
+  DatasetAnchor anchor{
       reader.text("camera"), reader.text("frame"), {pixel[0], pixel[1]}, grid.row(index), grid.column(index)};
   reader.refuse_unknown_keys();
   return anchor;

@@ -59,7 +59,7 @@ std::vector<Eigen::Vector3d> circles_of(const Head& head) {
 StereoCabin read_stereo_cabin(const std::string& path) {
   VehicleFile file(path);
   TomlReader section = file.section("stereo");
-  const StereoCabin cabin{file.layout(), pose_from(section)};
+  StereoCabin cabin{file.layout(), pose_from(section)};
   section.refuse_unknown_keys();
   return cabin;
 }

@@ -27,7 +27,7 @@ YamlNode YamlNode::parse(const NamedText& file) {
   if (text.starts_with(kOpenCvHead)) text.front() = '#';
   try {
     // The first document; YAML::LoadAll, which would tell of others, does not end on some texts that are no YAML.
-    const YamlNode root(YAML::Load(text), file.name, "");
+    YamlNode root(YAML::Load(text), file.name, "");
     int nodes = 0;
     if (!root.node_.IsMap()) throw Error(ErrorKind::kBadInput, "has no keys; is this the right file?", file.name);
     root.refuse_keys_that_stand_twice(nodes);
@@ -69,7 +69,7 @@ std::optional<YamlNode> YamlNode::find(const std::string& key) const {
 
 std::optional<YamlNode> YamlNode::find_first(std::initializer_list<const char*> keys) const {
   for (const char* key : keys) {
-    if (const auto found = find(key)) return found;
+    if (auto found = find(key)) return found;
   }
   return std::nullopt;
 }
