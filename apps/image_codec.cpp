@@ -149,11 +149,17 @@ bool is_jpeg(std::string_view bytes) { return bytes.starts_with("\xff\xd8\xff");
 
 bool is_png(std::string_view bytes) { return bytes.starts_with("\x89PNG\r\n\x1a\n"); }
 
+bool is_dicom(std::string_view bytes) {
+  constexpr std::size_t kPreamble = 128;  // [bytes], DICOM PS3.10, section 7.1
+  return bytes.size() > kPreamble && bytes.substr(kPreamble).starts_with("DICM");
+}
+
 cv::Mat decoded_grey(const std::string& bytes) {
   cv::Mat image;
   if (is_jpeg(bytes)) image = grey_of_jpeg(bytes);
   if (is_png(bytes)) image = grey_of_png(bytes);
   if (!image.empty()) return image;
+  if (is_dicom(bytes)) throw Error(ErrorKind::kIo, "an image in DICOM, which is not read: convert it to PNG");
   try {
     return media().decode_grey(bytes);
   } catch (const Error& missing) {

@@ -188,10 +188,10 @@ bool is_image(const std::string& path) {
 bool is_video(const std::string& path) { return ends_with_one_of({".mp4", ".avi", ".mkv", ".mov", ".webm"}, path); }
 
 bool may_be_image(const std::string& path) {
-  constexpr std::size_t kSignature = 8;  // [bytes]
-  std::string head(kSignature, '\0');
-  std::ifstream(path, std::ios::binary).read(head.data(), kSignature);
+  std::string head(kLongestSignature, '\0');
+  std::ifstream(path, std::ios::binary).read(head.data(), kLongestSignature);
   if (is_jpeg(head) || is_png(head)) return true;
+  if (is_dicom(head)) return false;
   try {
     return media().may_be_image(path);
   } catch (const Error&) {  // reading it will say so

@@ -129,6 +129,16 @@ TEST(ImageCodec, ReadsWhatIsDamagedOrRareAsOpencvDoes) {
   }
 }
 
+// OpenCV's decoder of DICOM aborts at this one.
+TEST(ImageCodec, RefusesDicomWithTheWayOut) {
+  const fs::path file = fresh_folder() / "scan.png";
+  write_text(file, std::string(128, '\0') + "DICM\x02\x02\x02");
+  EXPECT_FALSE(apps::may_be_image(file));
+  std::string reason;
+  EXPECT_TRUE(apps::read_gray(file, reason).empty());
+  EXPECT_THAT(reason, ::testing::HasSubstr("convert it to PNG"));
+}
+
 TEST(Pictures, OfDeepImagesShowWhatTheyShow) {
   const fs::path file = fresh_folder() / "deep.png";
   cv::imwrite(file.string(), cv::Mat(60, 80, CV_16U, cv::Scalar(512)));  // the middle of ten bits
