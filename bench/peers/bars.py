@@ -5,10 +5,10 @@
 import math
 import statistics
 
+import run_draws
+
 OWN = ("raybundle, plain", "raybundle", "raybundle, flat board", "raybundle program")
 PLAIN, WHOLE = "raybundle, plain", "raybundle"  # start and least squares, as the peers; all that calibrate() does
-FLAT_PEERS = ("opencv 4.6", "opencv 5", "pycolmap")  # the same model of lens and a board that is known to be flat
-SLACK = 1.01  # solvers that stop at different tolerances differ by less
 
 
 def median(by_peer, peer, key):
@@ -76,32 +76,22 @@ def costs_at_most(results, problem, plain, factor):
     return [verdict(what, f"{slow / fast:.2f}×", f"{factor}×", slow <= factor * fast)]
 
 
-def error(by_peer, peer):
-    runs = by_peer.get(peer) or [{"failed": ""}]
-    if "failed" in runs[0] or any(camera["true_error_rms_px"] is None for camera in runs[0]["cameras"]):
-        return None
-    return math.sqrt(statistics.mean(camera["true_error_rms_px"] ** 2 for camera in runs[0]["cameras"]))
-
-
-def nearer_to_truth(results):
-    """Against peers of the same model, on the same draw of the noise."""
-    worse, compared = [], 0
+def on_one_draw(results):
+    """Against peers of the same model, on the one draw that was timed: the worse estimator wins many of these."""
+    compared = worse = 0
     for name, by_peer in results.items():
-        rational = name.split(" ")[0].endswith("rational70")
-        pairs = [("raybundle" if "bent" in name else "raybundle, flat board", peer) for peer in FLAT_PEERS]
-        pairs += [("raybundle", "mrcal opencv8")] if rational else []
-        for own, peer in pairs:
-            ours, theirs = error(by_peer, own), error(by_peer, peer)
+        for own, peer in run_draws.rivals(name):
+            ours, theirs = (run_draws.true_error((by_peer.get(who) or [{}])[0]) for who in (own, peer))
             if ours is None or theirs is None:
                 continue
             compared += 1
-            if ours > SLACK * theirs:
-                worse.append(f"{name}: {ours:.4f} against {theirs:.4f} px of {peer}")
-    what = f"true error never above that of a peer with the same model, {compared} comparisons"
-    return [verdict(what, "; ".join(worse) or "never", f"never by more than {100 * (SLACK - 1):.0f} %", not worse)]
+            worse += ours > run_draws.SLACK * theirs
+    what = "true error on the one draw of the noise that was timed, above that of a peer with the same model"
+    return [f"information: {what}: {worse} of {compared} comparisons"]
 
 
-def judge(results):
+def judge(results, draws):
+    """Verdicts on the timed runs of run_peers.py and on the draws of run_draws.py."""
     lines = []
     for problem, peer, bar in (
         ("kb130 200", "opencv 4.6", 100),
@@ -122,4 +112,4 @@ def judge(results):
         lines += memory(results, f"{family} 5000")
         lines += costs_at_most(results, f"{family} 200 outliers", f"{family} 200", 2)
         lines += costs_at_most(results, f"{family} 200 bent", f"{family} 200", 2)
-    return lines + nearer_to_truth(results)
+    return lines + on_one_draw(results) + run_draws.verdicts(draws)

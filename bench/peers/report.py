@@ -15,6 +15,7 @@ import statistics
 import subprocess
 
 import bars
+import run_draws
 import run_peers
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -157,7 +158,8 @@ numbers of views (frames for pairs and rigs).
 **True error**: every peer projects the true rays of a grid over the image as far as boards covered it; the best rotation of
 the rays, which board poses take up, is removed; rms / largest distance to the true pixels. **Bound**: the Cramér-Rao bound of
 that rms from the information of all corners at the truth, when the board is known to be flat, and when its bend is estimated
-too. One draw of the noise lies around the bound; the average over many draws is below. `raybundle` is `calibrate()`: outliers,
+too. One draw of the noise lies around the bound, and the better of two estimators is often the worse on it: averages over many
+draws, ours against the bound and against peers with the same model, are among the bars. `raybundle` is `calibrate()`: outliers,
 other optima, the bend where the data can carry it, sigmas; `raybundle, flat board` is that without the bend; `raybundle, plain` is
 start values and least squares only, which is what most peers do; OpenCV and pycolmap take the board as flat, mrcal and lensboy estimate it.
 **Memory**: peak of the process in MB, in brackets what the solve added to it.
@@ -178,7 +180,8 @@ OTHER_PROOFS = (
 
 def all_bars(results):
     """The bars judged on this run's figures, and those that the other programs judged themselves."""
-    lines = bars.judge(results)
+    stored = run_draws.STORED
+    lines = bars.judge(results, json.loads(stored.read_text()) if stored.exists() else {})
     for _, name in OTHER_PROOFS:
         text = (WORK / name).read_text() if (WORK / name).exists() else ""
         for line in text.splitlines():
