@@ -29,11 +29,11 @@ Json json_of(const HealthReport& health) {
           {"log_wavelength_sigma", health.log_wavelength_sigma},
           {"turn_rad", list(health.turn_rad)},
           {"turn_sigma_rad", list(health.turn_sigma_rad)},
-          {"chi_squared", health.statistic},
+          {"chi_squared", health.chi_squared},
           {"recent_turn_rad", list(health.recent_turn_rad)},
-          {"recent_chi_squared", health.recent_statistic},
+          {"recent_chi_squared", health.recent_chi_squared},
           {"alarm_above", health.threshold},
-          {"noise", health.noise},
+          {"noise", health.residual_scale},
           {"dots", health.dots}};
 }
 

@@ -105,13 +105,13 @@ class Reconstruction {
   }
 
   static void say_turned(const std::string& name, const HealthReport& health) {
-    const bool lately = health.recent_statistic > health.statistic;
+    const bool lately = health.recent_chi_squared > health.chi_squared;
     const Eigen::Vector3d& turn = lately ? health.recent_turn_rad : health.turn_rad;
     say_warning(
         fmt::format("{}: the projector seems to have turned by {:.2f} mrad {} (chi-squared {:.0f}, alarm above "
                     "{:.0f}); calibrate again",
                     name, 1e3 * turn.norm(), lately ? "in the last images" : "since its calibration",
-                    std::max(health.statistic, health.recent_statistic), health.threshold));
+                    std::max(health.chi_squared, health.recent_chi_squared), health.threshold));
   }
 
   static void print_row(const std::string& name, const LaserFrame& frame) {

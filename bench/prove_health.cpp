@@ -204,7 +204,7 @@ bool prove_quiet(const bench::SensorInUse& sensor, int frames) {
     }
     see(sensor, warm[temperature], random, samples);
     const HealthReport& report = update(*health, beams, samples);
-    largest = std::max({largest, report.statistic, report.recent_statistic});
+    largest = std::max({largest, report.chi_squared, report.recent_chi_squared});
     const double drift =
         (temperature - 10) * sensor.rig.emitter->wavelength_drift_m_K / sensor.rig.emitter->wavelength_m;
     if (frame % 200 > 20) worst_wavelength = std::max(worst_wavelength, std::abs(report.log_wavelength - drift));

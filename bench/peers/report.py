@@ -28,7 +28,7 @@ def machine():
     cores = subprocess.run(["nproc"], capture_output=True, text=True).stdout.strip()
     compiler = subprocess.run(["c++", "--version"], capture_output=True, text=True).stdout.splitlines()[0]
     system = next(line.split("=")[1].strip().strip('"') for line in open("/etc/os-release") if line.startswith("PRETTY_NAME"))
-    return f"{cpu}, {cores} cores, {system}, Linux {platform.release()}, {compiler}"
+    return f"{cpu}, {cores} cores, {system}, Linux {platform.release().split("-")[0]}, {compiler}"
 
 
 def seconds_text(seconds):

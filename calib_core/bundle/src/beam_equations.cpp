@@ -16,9 +16,9 @@ namespace {
 constexpr int kMostChunks = 16;       // of poses whose sums over the beams are formed apart
 constexpr double kBytesForDot = 100;  // that these sums may take
 
-int chunk_count(std::size_t poses, std::size_t ties, std::size_t beams, int parameters) {
+int chunk_count(std::size_t poses, std::size_t pairs, std::size_t beams, int parameters) {
   const double chunk_bytes = 32.0 * static_cast<double>(beams) * (parameters + 5);
-  const double affordable = kBytesForDot * static_cast<double>(ties) / chunk_bytes;
+  const double affordable = kBytesForDot * static_cast<double>(pairs) / chunk_bytes;
   const int chunks = static_cast<int>(std::clamp(affordable, 2.0, 1.0 * kMostChunks));
   return std::min(chunks, static_cast<int>(poses));
 }
@@ -46,16 +46,16 @@ void NormalEquations::number_beams(const BundleState& state, const BundleOptions
   pattern_.poses = BlockFamily<6>(static_cast<int>(poses_.size()), layout_.columns);
   pattern_.shared = BlockSystem::Shared(layout_.columns, static_cast<int>(beams_.size()));
   for (std::size_t p = 0; p < poses_.size(); ++p) {
-    std::map<int, int> tie_of_beam;
+    std::map<int, int> number_of_pair;
     for (int v : poses_[p].dots) {
-      for (const UsedDot& dot : dots_[v].dots) tie_of_beam[number_of_beam_[dot.beam]] = 0;
+      for (const UsedDot& dot : dots_[v].dots) number_of_pair[number_of_beam_[dot.beam]] = 0;
     }
-    for (auto& [beam, tie] : tie_of_beam) {
-      tie = static_cast<int>(pattern_.ties.size());
-      pattern_.ties.push_back({.pose = static_cast<int>(p), .beam = beam});
+    for (auto& [beam, number] : number_of_pair) {
+      number = static_cast<int>(pattern_.pose_beams.size());
+      pattern_.pose_beams.push_back({.pose = static_cast<int>(p), .beam = beam});
     }
     for (int v : poses_[p].dots) {
-      for (UsedDot& dot : dots_[v].dots) dot.tie = tie_of_beam[number_of_beam_[dot.beam]];
+      for (UsedDot& dot : dots_[v].dots) dot.pose_beam = number_of_pair[number_of_beam_[dot.beam]];
     }
   }
   if (Elimination<4, 6>::cost(pattern_) < Elimination<6, 4>::cost(pattern_)) {
@@ -83,9 +83,9 @@ void NormalEquations::add_dot(const DotMotion& motion, const UsedDot& dot,
     beams.with_parameters.col(static_cast<Eigen::Index>(beam) * layout_.columns + columns[c]) +=
         at_distance(product, distance);
   }
-  Tie& tie = system.ties[dot.tie];
-  tie.by_pose = motion.by_board;
-  tie.by_beam += at_distance(motion.across.transpose() * motion.along_beam, distance);
+  PoseBeamBlock& pair = system.pose_beams[dot.pose_beam];
+  pair.by_pose = motion.by_board;
+  pair.by_beam += at_distance(motion.across.transpose() * motion.along_beam, distance);
 }
 
 bool NormalEquations::add_dots(const PoseViews& group, const Unknowns& unknowns, DotPart& part, BlockSystem& system) {
@@ -120,7 +120,7 @@ double NormalEquations::assemble(const Unknowns& unknowns, Linearization& result
   BlockSystem& system = result.system;
   system = pattern_;
   const int poses = static_cast<int>(poses_.size());
-  const int chunks = chunk_count(poses_.size(), pattern_.ties.size(), beams_.size(), layout_.columns);
+  const int chunks = chunk_count(poses_.size(), pattern_.pose_beams.size(), beams_.size(), layout_.columns);
   if (!projectable) return 0.0;
   std::vector<DotPart> parts(chunks);
   std::atomic<bool> complete = true;

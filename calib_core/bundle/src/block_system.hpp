@@ -32,7 +32,7 @@ struct BlockFamily {
 
 /// What a board pose and a beam that met it have in common in the normal equations: by_pose by_beamᵀ. A board moves a
 /// dot along the beam only, so that the block has rank one, whatever the number of cameras that see the dot.
-struct Tie {
+struct PoseBeamBlock {
   int pose = 0;
   int beam = 0;
   Eigen::Matrix<double, 6, 1> by_pose = Eigen::Matrix<double, 6, 1>::Zero();
@@ -62,8 +62,8 @@ struct BlockSystem {
 
   BlockFamily<6> poses;
   Shared shared;
-  std::vector<Tie> ties;  ///< sorted by pose, then by beam; of each pair at most one
-  double chi2 = 0.0;      ///< sum of the squared residuals, weighted as the equations are
+  std::vector<PoseBeamBlock> pose_beams;  ///< sorted by pose, then by beam; of each pair at most one
+  double chi2 = 0.0;                      ///< sum of the squared residuals, weighted as the equations are
 
   int parameters() const { return static_cast<int>(shared.gradient.size()); }
 };

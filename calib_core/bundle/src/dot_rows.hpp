@@ -15,7 +15,7 @@ struct UsedDot {
   Eigen::Vector2d pixel;      ///< measured [px]
   Eigen::Vector3d whitening;  ///< (0,0), (1,0), (1,1) of the inverse of the covariance's Cholesky factor [1/px]
   int beam = 0;               ///< index into BundleState::beams
-  int tie = 0;                ///< index into BlockSystem::ties of its pose and beam
+  int pose_beam = 0;          ///< index into BlockSystem::pose_beams of its pose and beam
 };
 
 /// The used dots of one board view, gathered once.
@@ -29,7 +29,7 @@ struct ViewDots {
   std::vector<UsedDot> dots;
 };
 
-/// One entry for each view that has a pose and at least one used dot, in the order of problem.views; `tie` is not set.
+/// One entry for each view that has a pose and at least one used dot, in the order of problem.views; `pose_beam` is not set.
 ///
 /// @throws Error(kBadInput) for used dots on a target that is not flat
 std::vector<ViewDots> used_dots(const CalibrationProblem& problem, const BundleState& state);

@@ -18,15 +18,15 @@ Elimination<E, K>::Elimination(const BlockSystem& pattern)
       kept_blocks_(family<K>(pattern).blocks()),
       columns_(K * kept_blocks_ + pattern.parameters()),
       panels_(columns_ / kTile + 1),
-      ties_(eliminated_blocks_),
+      pose_beams_(eliminated_blocks_),
       places_(eliminated_blocks_),
       factors_(eliminated_blocks_),
       shifted_(E, eliminated_blocks_),
       damping_(E, eliminated_blocks_) {
-  for (int t = 0; t < static_cast<int>(pattern.ties.size()); ++t) {
-    const Tie& tie = pattern.ties[t];
-    ties_[block_of<E>(tie)].push_back(t);
-    panels_[K * block_of<K>(tie) / kTile].blocks.push_back(block_of<E>(tie));
+  for (int t = 0; t < static_cast<int>(pattern.pose_beams.size()); ++t) {
+    const PoseBeamBlock& pair = pattern.pose_beams[t];
+    pose_beams_[block_of<E>(pair)].push_back(t);
+    panels_[K * block_of<K>(pair) / kTile].blocks.push_back(block_of<E>(pair));
   }
   for (std::size_t p = 0; p < panels_.size(); ++p) {
     std::vector<int>& blocks = panels_[p].blocks;
@@ -40,8 +40,8 @@ Elimination<E, K>::Elimination(const BlockSystem& pattern)
     panels_[p].rows.assign(blocks.size() * E * kTile, 0.0);
   }
   for (int block = 0; block < eliminated_blocks_; ++block) {
-    for (int t : ties_[block]) {
-      const int column = K * block_of<K>(pattern.ties[t]);
+    for (int t : pose_beams_[block]) {
+      const int column = K * block_of<K>(pattern.pose_beams[t]);
       Panel& panel = panels_[column / kTile];
       const auto position = std::ranges::lower_bound(panel.blocks, block) - panel.blocks.begin();
       places_[block].push_back(panel.rows.data() + position * E * kTile + column % kTile);
@@ -52,7 +52,7 @@ Elimination<E, K>::Elimination(const BlockSystem& pattern)
 template <int E, int K>
 double Elimination<E, K>::cost(const BlockSystem& pattern) {
   std::vector<double> met(family<E>(pattern).blocks(), pattern.parameters());  // kept unknowns, by eliminated block
-  for (const Tie& tie : pattern.ties) met[block_of<E>(tie)] += K;
+  for (const PoseBeamBlock& pair : pattern.pose_beams) met[block_of<E>(pair)] += K;
   const double kept = K * family<K>(pattern).blocks() + pattern.parameters();
   double products = kept * kept * kept / 6.0;
   for (const double unknowns : met) products += 0.5 * E * unknowns * unknowns;
@@ -68,10 +68,10 @@ bool Elimination<E, K>::eliminate(const BlockSystem& system, int block) {
   if (llt.info() != Eigen::Success) return false;
   factors_[block] = llt.matrixL();
   const auto lower = factors_[block].template triangularView<Eigen::Lower>();
-  for (std::size_t i = 0; i < ties_[block].size(); ++i) {
-    const Tie& tie = system.ties[ties_[block][i]];
-    const Eigen::Matrix<double, E, 1> solved = lower.solve(factor_of<E>(tie));
-    const Eigen::Matrix<double, K, 1>& right = factor_of<K>(tie);
+  for (std::size_t i = 0; i < pose_beams_[block].size(); ++i) {
+    const PoseBeamBlock& pair = system.pose_beams[pose_beams_[block][i]];
+    const Eigen::Matrix<double, E, 1> solved = lower.solve(factor_of<E>(pair));
+    const Eigen::Matrix<double, K, 1>& right = factor_of<K>(pair);
     double* place = places_[block][i];
     for (int r = 0; r < E; ++r) {
       for (int c = 0; c < K; ++c) place[r * kTile + c] = solved[r] * right[c];
@@ -167,9 +167,9 @@ BlockStep Elimination<E, K>::step(const BlockSystem& system) const {
     Eigen::Matrix<double, E, 1> right = own.gradient.col(block);
     right +=
         own.with_parameters.middleCols(static_cast<Eigen::Index>(block) * parameters, parameters) * step.parameters;
-    for (int t : ties_[block]) {
-      const Tie& tie = system.ties[t];
-      right += factor_of<K>(tie).dot(kept_blocks.col(block_of<K>(tie))) * factor_of<E>(tie);
+    for (int t : pose_beams_[block]) {
+      const PoseBeamBlock& pair = system.pose_beams[t];
+      right += factor_of<K>(pair).dot(kept_blocks.col(block_of<K>(pair))) * factor_of<E>(pair);
     }
     const auto lower = factors_[block].template triangularView<Eigen::Lower>();
     lower.solveInPlace(right);

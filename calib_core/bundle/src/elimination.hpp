@@ -24,15 +24,15 @@ const BlockFamily<N>& family(const BlockSystem& system) {
   return family<N>(const_cast<BlockSystem&>(system));
 }
 template <int N>
-int block_of(const Tie& tie) {
-  return N == 6 ? tie.pose : tie.beam;
+int block_of(const PoseBeamBlock& pair) {
+  return N == 6 ? pair.pose : pair.beam;
 }
 template <int N>
-const Eigen::Matrix<double, N, 1>& factor_of(const Tie& tie) {
+const Eigen::Matrix<double, N, 1>& factor_of(const PoseBeamBlock& pair) {
   if constexpr (N == 6) {
-    return tie.by_pose;
+    return pair.by_pose;
   } else {
-    return tie.by_beam;
+    return pair.by_beam;
   }
 }
 
@@ -46,7 +46,7 @@ class Elimination {
  public:
   using FactorE = Eigen::Matrix<double, E, E>;
 
-  /// @param pattern  whose sizes and ties count, not its numbers
+  /// @param pattern  whose sizes and pairs of pose and beam count, not its numbers
   explicit Elimination(const BlockSystem& pattern);
 
   /// Multiplications of one reduce() and factor().
@@ -91,8 +91,8 @@ class Elimination {
   int kept_blocks_ = 0;
   int columns_ = 0;
   std::vector<Panel> panels_;                 // of the kept unknowns and the gradient
-  std::vector<std::vector<int>> ties_;        // of each eliminated block, indices into BlockSystem::ties
-  std::vector<std::vector<double*>> places_;  // of their first row in the panels, aligned with ties_
+  std::vector<std::vector<int>> pose_beams_;  // of each eliminated block, indices into BlockSystem::pose_beams
+  std::vector<std::vector<double*>> places_;  // of their first row in the panels, aligned with pose_beams_
   std::vector<FactorE> factors_;
   Eigen::Matrix<double, E, Eigen::Dynamic> shifted_;  // L⁻¹ times the gradient, one column for each eliminated block
   Eigen::Matrix<double, E, Eigen::Dynamic> damping_;

@@ -114,16 +114,16 @@ Health::Solution Health::solve(Sums sum, int dots) const {
   const Matrix4 inverse = sum.normal.inverse();
   Solution solution;
   solution.change = inverse * sum.right;
-  solution.noise = std::sqrt(sum.squares / dots);
+  solution.residual_scale = std::sqrt(sum.squares / dots);
   // The beams' errors are the same in each frame: over the window they add up, not their squares.
   const double frames = static_cast<double>(frames_.size());
-  const double inflation = std::max(1.0, solution.noise * solution.noise);
+  const double inflation = std::max(1.0, solution.residual_scale * solution.residual_scale);
   Matrix4 of_right = inflation * sum.by_dots + frames * sum.by_beams;
   of_right.diagonal() += before;
   solution.covariance = inverse * of_right * inverse;
   const Eigen::Vector3d turn = solution.change.tail<3>();
   const Eigen::Matrix3d of_turn = solution.covariance.bottomRightCorner<3, 3>();
-  solution.statistic = turn.dot(of_turn.ldlt().solve(turn));
+  solution.chi_squared = turn.dot(of_turn.ldlt().solve(turn));
   return solution;
 }
 
@@ -144,11 +144,11 @@ void Health::judge() {
   report_.log_wavelength_sigma = std::sqrt(solution.covariance(0, 0));
   report_.turn_rad = solution.change.tail<3>();
   report_.turn_sigma_rad = solution.covariance.diagonal().tail<3>().cwiseSqrt();
-  report_.statistic = solution.statistic;
-  report_.noise = solution.noise;
+  report_.chi_squared = solution.chi_squared;
+  report_.residual_scale = solution.residual_scale;
   report_.recent_turn_rad = recent.change.tail<3>();
-  report_.recent_statistic = recent.statistic;
-  const bool alarm = std::max(solution.statistic, recent.statistic) > report_.threshold;
+  report_.recent_chi_squared = recent.chi_squared;
+  const bool alarm = std::max(solution.chi_squared, recent.chi_squared) > report_.threshold;
   if (alarm) report_.state = State::kInvalid;
   if (!alarm && report_.state != State::kInvalid) report_.state = State::kOk;
 }

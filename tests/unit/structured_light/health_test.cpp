@@ -40,8 +40,8 @@ TEST(Health, StaysQuietWhileNothingChanges) {
   Random random(2);
   for (int frame = 0; frame < 100; ++frame) {
     const LaserFrame& seen = sensor.process(dots_of(world, Eigen::Vector3d::Zero(), random));
-    ASSERT_EQ(seen.state, State::kOk) << "frame " << frame << ", statistic " << seen.health.statistic;
-    EXPECT_NEAR(seen.health.noise, 1.0, 0.2);
+    ASSERT_EQ(seen.state, State::kOk) << "frame " << frame << ", chi-squared " << seen.health.chi_squared;
+    EXPECT_NEAR(seen.health.residual_scale, 1.0, 0.2);
   }
 }
 
@@ -76,13 +76,13 @@ TEST(Health, LearnsTheBeamsErrorsAndTellsASmallTurn) {
   const Eigen::Vector3d still = Eigen::Vector3d::Zero(), turn(0.05 / 282.0, 0, 0);
   for (int frame = 0; frame < 100; ++frame) {
     const LaserFrame& seen = sensor.process(dots_of(world, still, random));
-    ASSERT_EQ(seen.state, State::kOk) << "frame " << frame << ", statistic " << seen.health.recent_statistic;
+    ASSERT_EQ(seen.state, State::kOk) << "frame " << frame << ", chi-squared " << seen.health.recent_chi_squared;
   }
   LaserFrame seen;
   for (int frame = 0; frame < 10; ++frame) seen = sensor.process(dots_of(world, turn, random));
   EXPECT_EQ(seen.state, State::kInvalid);
-  EXPECT_LT(seen.health.statistic, seen.health.threshold);
-  EXPECT_GT(seen.health.recent_statistic, seen.health.threshold);
+  EXPECT_LT(seen.health.chi_squared, seen.health.threshold);
+  EXPECT_GT(seen.health.recent_chi_squared, seen.health.threshold);
 }
 
 TEST(BeamMemory, BeginsWithTheCalibrationAndComesToWhatItSees) {

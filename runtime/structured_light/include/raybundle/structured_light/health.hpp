@@ -30,11 +30,11 @@ struct HealthReport {
   double log_wavelength_sigma = 0.0;
   Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero();         ///< of the projector about its centre, camera's axes
   Eigen::Vector3d turn_sigma_rad = Eigen::Vector3d::Zero();   ///< large about the axis that epipolar planes do not see
-  double statistic = 0.0;                                     ///< chi-squared of the turn, three degrees of freedom
+  double chi_squared = 0.0;                                   ///< of the turn, three degrees of freedom
   Eigen::Vector3d recent_turn_rad = Eigen::Vector3d::Zero();  ///< against the frames before the window
-  double recent_statistic = 0.0;                              ///< chi-squared of that
+  double recent_chi_squared = 0.0;                            ///< of that
   double threshold = 0.0;                                     ///< of either, above which an alarm is raised
-  double noise = 1.0;                                         ///< size of the residuals over what dots and beams state
+  double residual_scale = 1.0;                                ///< size of the residuals over what dots and beams state
   int dots = 0;                                               ///< in the window
 };
 
@@ -96,7 +96,7 @@ class Health {
   struct Solution {
     Vector4 change;
     Matrix4 covariance;
-    double noise = 1.0, statistic = 0.0;
+    double residual_scale = 1.0, chi_squared = 0.0;
   };
 
   void take(std::span<const Sample> samples, Frame& frame) const;
