@@ -13,28 +13,38 @@ namespace {
 constexpr double kStepTolerance = 1e-12;  // of a step that ends the solve, relative to the unknowns
 constexpr double kSmallestGain = 1e-3;    // of a step that is taken: decrease over what was predicted
 constexpr double kFirstRadius = 1e9;      // hardly any damping
+constexpr double kToldGain = 0.01;        // distance of a gain from one: so near, the model is right and damping slows
+constexpr double kNearOptimum = 1e-3;     // of the cost: what a step gains there
+constexpr double kPlainGrowth = 1e3;      // of the radius where both hold
 constexpr double kLeftToGain = 1e-6;      // of the cost: a solve that rests with more to gain has been blocked
+constexpr double kPlainGain = 1e-6;       // of the cost: so small a step goes where the quadratic model says
 
 // How far the quadratic model is trusted: the inverse of the damping. Source: Nielsen, "Damping parameter in
-// Marquardt's method", 1999, as in Ceres, with its constants; but the first radius is that of starts which are near.
+// Marquardt's method", 1999, as in Ceres, with its constants; but the first radius is that of starts which are near,
+// and it grows faster near the optimum, where damping only keeps the weakest directions waiting.
 class TrustRegion {
  public:
   double radius() const { return radius_; }
   bool vanished() const { return radius_ < 1e-32; }
 
-  /// @param gain  decrease of the cost over what was predicted
-  void accept(double gain) {
-    radius_ = std::min(1e16, radius_ / std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * gain - 1.0, 3)));
+  /// @param gain           decrease of the cost over what was predicted
+  /// @param relative_gain  decrease over the cost
+  void accept(double gain, double relative_gain) {
+    const double nielsen = 1.0 / std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * gain - 1.0, 3));
+    const bool plain = !refused_ && relative_gain < kNearOptimum && std::abs(gain - 1.0) < kToldGain;
+    radius_ = std::min(1e16, radius_ * (plain ? kPlainGrowth : nielsen));
     shrink_ = 2.0;
   }
   void refuse() {
     radius_ /= shrink_;
     shrink_ *= 2.0;
+    refused_ = true;
   }
 
  private:
   double radius_ = kFirstRadius;
   double shrink_ = 2.0;
+  bool refused_ = false;  // ever
 };
 
 double squared_size(const Unknowns& unknowns) {
@@ -44,6 +54,11 @@ double squared_size(const Unknowns& unknowns) {
   for (const Rigid3& pose : unknowns.rig_from_target) sum += 1.0 + pose.translation.squaredNorm();
   for (const Line3& beam : unknowns.beams) sum += 1.0 + beam.point.squaredNorm();
   return sum;
+}
+
+// Decrease of the cost that is still to be had behind a step: from step to step it falls at least as it did before.
+double left_behind(const Step& step, double promised_before) {
+  return step.predicted_decrease * std::min(1.0, step.predicted_decrease / promised_before);
 }
 
 bool negligible(const Step& step, const Unknowns& unknowns) {
@@ -70,7 +85,8 @@ BundleSummary minimize(NormalEquations& equations, Unknowns& unknowns, const Bun
   summary.initial_cost = here.cost;
   Linearization there;
   TrustRegion region;
-  bool refused_unseen = false;  // a step to where the cost cannot be told
+  double promised_before = 0.0;  // by the step that led here; 0: there is none, or one was refused since
+  bool refused_unseen = false;   // a step to where the cost cannot be told
   const auto rest = [&](const char* message) {
     const auto onward = refused_unseen ? equations.step(unknowns, here, kFirstRadius) : std::nullopt;
     return onward && onward->predicted_decrease > kLeftToGain * here.cost
@@ -91,16 +107,24 @@ BundleSummary minimize(NormalEquations& equations, Unknowns& unknowns, const Bun
     if (step->predicted_decrease <= options.settled * here.cost) {
       return rest("no step lowers the cost any more");
     }
+    const bool plain = step->predicted_decrease <= kPlainGain * here.cost && !refused_unseen;
+    if (plain && left_behind(*step, promised_before) <= options.settled * here.cost) {
+      unknowns = equations.moved(unknowns, *step);
+      here.cost -= step->predicted_decrease;
+      return finish(Termination::kConverged, "no step would lower the cost any more");
+    }
     Unknowns candidate = equations.moved(unknowns, *step);
     const bool projectable = equations.linearize(candidate, there);
     const double decrease = here.cost - there.cost;
     const double gain = decrease / step->predicted_decrease;
     if (projectable && gain > kSmallestGain) {
-      region.accept(gain);
+      region.accept(gain, decrease / here.cost);
+      promised_before = step->predicted_decrease;
       std::swap(here, there);
       std::swap(unknowns, candidate);
     } else {
       region.refuse();
+      promised_before = 0.0;
       refused_unseen |= !projectable;
     }
     if (projectable && std::abs(decrease) <= options.settled * here.cost) {
