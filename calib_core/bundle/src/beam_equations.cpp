@@ -129,7 +129,7 @@ double NormalEquations::assemble(const Unknowns& unknowns, Linearization& result
     part.shared = pattern_.shared;
     for (int p = poses * c / chunks; p < poses * (c + 1) / chunks; ++p) {
       const PoseViews& group = poses_[p];
-      part.local = local_equations(group, unknowns, result);
+      fill_local_equations(group, unknowns, result, part.local);
       if (!add_dots(group, unknowns, part, system)) complete = false;
       const auto count = static_cast<Eigen::Index>(group.columns.size());
       part.weighted_chi2 += part.local(6 + count, 6 + count);

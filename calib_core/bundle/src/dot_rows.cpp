@@ -6,6 +6,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "raybundle/geometry/gram.hpp"
+
 namespace raybundle {
 namespace {
 
@@ -147,7 +149,7 @@ bool fill_dot_rows(const ViewDots& view, const ViewPoint& point, const std::vect
     rows.robust_chi2 = 0.0;
     rows.motions.resize(view.dots.size());
     const auto count = static_cast<Eigen::Index>(2 * view.dots.size());
-    const Eigen::Index padded = (count + 3) / 4 * 4;
+    const Eigen::Index padded = padded_for_gram(count);
     rows.rows.resize(padded, rows.residual_column(options.with_shape) + 1 + (options.with_camera ? 6 : 0));
     rows.rows.bottomRows(padded - count).setZero();
     return fill<M>(view, point, beams, options, rows);

@@ -53,7 +53,7 @@ struct DotMotion {
 ///
 /// Columns: intrinsics, motion of rig_from_target, [bend_x, bend_y, twist,] residual, [motion of camera_from_rig].
 struct DotRows {
-  Eigen::MatrixXd rows;  ///< padded with zero rows to a multiple of 4
+  Eigen::MatrixXd rows;  ///< padded with zero rows for gram()
   std::vector<DotMotion> motions;
   int intrinsics = 0;        ///< columns of
   double robust_chi2 = 0.0;  ///< sum of ρ(s) over the dots, s the squared whitened distance

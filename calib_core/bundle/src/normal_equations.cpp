@@ -18,6 +18,7 @@ using Kind = ParameterBlock::Kind;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6X = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+using Rows6 = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>;
 
 constexpr int kMostChunks = 64;  // of poses that are summed up apart: enough for the threads, few enough for the memory
 
@@ -39,6 +40,22 @@ Eigen::MatrixXd expanded(const Eigen::MatrixXd& products, const MotionMap& map, 
   result.block(0, intrinsics, n, 6) = result.block(intrinsics, 0, 6, n).transpose().eval();
   result.block(0, n, n, 6) = result.block(n, 0, 6, n).transpose();
   return result;
+}
+
+// rows become U⁻ᵀ rows.
+void solve_forward(const Matrix6& upper, Rows6& rows) {
+  for (int r = 0; r < 6; ++r) {
+    for (int s = 0; s < r; ++s) rows.row(r) -= upper(s, r) * rows.row(s);
+    rows.row(r) /= upper(r, r);
+  }
+}
+
+// Upper triangle of matrix -= rowsᵀ rows.
+void subtract_gram(const Rows6& rows, Eigen::Ref<Eigen::MatrixXd> matrix) {
+  for (Eigen::Index b = 0; b < matrix.cols(); ++b) {
+    auto column = matrix.col(b).head(b + 1);
+    for (int r = 0; r < 6; ++r) column -= rows(r, b) * rows.row(r).head(b + 1).transpose();
+  }
 }
 
 PriorMean values_of(const Unknowns& unknowns, const ParameterBlock& block) {
@@ -63,11 +80,17 @@ void add_products(const Eigen::MatrixXd& products, const std::vector<int>& colum
   }
 }
 
-// How a pose follows the parameters: its motion is -shift - follow * (step of its columns).
+// How a pose follows the parameters.
 struct NormalEquations::EliminatedPose {
-  Matrix6X follow;
-  Vector6 shift;
+  Matrix6 upper;  // U, with UᵀU the pose's own damped equations
+  Rows6 follow;   // U⁻ᵀ times its equations with its columns, then its gradient
   Vector6 damping;
+
+  Vector6 motion(const Eigen::VectorXd& parameters_step, const std::vector<int>& columns) const {
+    Vector6 right = -follow.rightCols<1>();
+    for (std::size_t c = 0; c < columns.size(); ++c) right -= parameters_step[columns[c]] * follow.col(c);
+    return upper.triangularView<Eigen::Upper>().solve(right);
+  }
 };
 
 // Normal equations of the layout's parameters, or of some poses' part in them; upper triangle.
@@ -191,10 +214,10 @@ bool NormalEquations::linearize(const Unknowns& unknowns, Linearization& result)
   return projectable && dots_projectable;
 }
 
-Eigen::MatrixXd NormalEquations::local_equations(const PoseViews& group, const Unknowns& unknowns,
-                                                 const Linearization& at) const {
+void NormalEquations::fill_local_equations(const PoseViews& group, const Unknowns& unknowns, const Linearization& at,
+                                           Eigen::MatrixXd& local) const {
   const auto size = static_cast<Eigen::Index>(6 + group.columns.size() + 1);
-  Eigen::MatrixXd local = Eigen::MatrixXd::Zero(size, size);
+  local.setZero(size, size);
   for (int v : group.views) {
     const std::vector<int>& columns = local_columns_[v];
     const Eigen::MatrixXd& products = at.views[v].products;
@@ -205,7 +228,6 @@ Eigen::MatrixXd NormalEquations::local_equations(const PoseViews& group, const U
                    columns, local);
     }
   }
-  return local;
 }
 
 bool NormalEquations::eliminate(const PoseViews& group, double radius, Eigen::MatrixXd& local, EliminatedPose& pose,
@@ -216,13 +238,12 @@ bool NormalEquations::eliminate(const PoseViews& group, double radius, Eigen::Ma
   own.diagonal() += pose.damping;
   const Eigen::LLT<Matrix6, Eigen::Upper> factor(own);
   if (factor.info() != Eigen::Success) return false;
-  const Matrix6X across = local.topRightCorner(6, count + 1);
-  const Matrix6X solved = factor.solve(across);
-  pose.follow = solved.leftCols(count);
-  pose.shift = solved.col(count);
-  reduced.decrease += across.col(count).dot(pose.shift);
+  pose.upper = factor.matrixU();
+  pose.follow = local.topRightCorner(6, count + 1);
+  solve_forward(pose.upper, pose.follow);
+  reduced.decrease += pose.follow.col(count).squaredNorm();
   for (Eigen::Index a = 0; a < count; ++a) reduced.diagonal[group.columns[a]] += local(6 + a, 6 + a);
-  local.bottomRightCorner(count + 1, count + 1).noalias() -= across.transpose().lazyProduct(solved);
+  subtract_gram(pose.follow, local.bottomRightCorner(count + 1, count + 1));
   for (Eigen::Index b = 0; b < count; ++b) {
     for (Eigen::Index a = 0; a <= b; ++a) reduced.matrix(group.columns[a], group.columns[b]) += local(6 + a, 6 + b);
     reduced.gradient[group.columns[b]] += local(6 + b, 6 + count);
@@ -249,8 +270,9 @@ std::optional<Step> NormalEquations::step(const Unknowns& unknowns, const Linear
   std::vector<EliminatedPose> eliminated(poses);
   std::vector<Reduced> parts(chunks, Reduced(layout_.columns));
   workers_.for_each(chunks, [&](int c) {
+    Eigen::MatrixXd local;
     for (int p = c * per_chunk; p < std::min((c + 1) * per_chunk, poses); ++p) {
-      Eigen::MatrixXd local = local_equations(poses_[p], unknowns, at);
+      fill_local_equations(poses_[p], unknowns, at, local);
       if (!eliminate(poses_[p], radius, local, eliminated[p], parts[c])) parts[c].definite = false;
     }
   });
@@ -269,7 +291,7 @@ std::optional<Step> NormalEquations::step(const Unknowns& unknowns, const Linear
   double damped_square = (damped.array() * step.parameters.array().square()).sum();
   for (int p = 0; p < poses; ++p) {
     Vector6& motion = step.motions[poses_[p].pose];
-    motion = -eliminated[p].shift - eliminated[p].follow * step.parameters(poses_[p].columns);
+    motion = eliminated[p].motion(step.parameters, poses_[p].columns);
     damped_square += (eliminated[p].damping.array() * motion.array().square()).sum();
   }
   // With the gradient g and the damping D: (H + D) step = -g, hence -gᵀ step - stepᵀ H step / 2 is this.

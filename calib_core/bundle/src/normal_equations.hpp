@@ -79,7 +79,8 @@ class NormalEquations {
   void group_by_pose(std::size_t poses);
   std::vector<int> columns_of(int camera, int target) const;
   std::vector<int> local_columns(const PoseViews& group, int camera, int target) const;
-  Eigen::MatrixXd local_equations(const PoseViews& group, const Unknowns& unknowns, const Linearization& at) const;
+  void fill_local_equations(const PoseViews& group, const Unknowns& unknowns, const Linearization& at,
+                            Eigen::MatrixXd& local) const;
   bool eliminate(const PoseViews& group, double radius, Eigen::MatrixXd& local, EliminatedPose& pose,
                  Reduced& reduced) const;
   void add_priors(const Linearization& at, Reduced& reduced) const;

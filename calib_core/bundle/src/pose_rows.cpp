@@ -96,7 +96,7 @@ int eliminate_pose(const std::vector<ViewData>& views, const Unknowns& unknowns,
   thread_local ViewRows rows;
   thread_local Eigen::MatrixXd all;
   Eigen::Index count = 0;
-  for (const ViewData& view : views) count += 2 * ViewRows::padded(view.pixel.rows());
+  for (const ViewData& view : views) count += 2 * padded_for_gram(view.pixel.rows());
   all.setZero(count, 6 + layout.columns + 1);
   Eigen::Index first = 0;
   for (const ViewData& view : views) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "raybundle/camera/lanes.hpp"
+#include "raybundle/geometry/gram.hpp"
 #include "raybundle/geometry/rotation.hpp"
 #include "raybundle/geometry/target_clones.hpp"
 
@@ -151,7 +152,7 @@ void resize(const ViewData& view, const ViewBlockOptions& options, int model_sha
   rows.corners = static_cast<int>(view.pixel.rows());
   rows.model_shape_size = model_shape_size;
   rows.with_shape = options.with_shape;
-  const Eigen::Index padded = ViewRows::padded(rows.corners);
+  const Eigen::Index padded = padded_for_gram(rows.corners);
   for (Eigen::MatrixXd* side : {&rows.u, &rows.v}) {
     side->resize(padded, rows.columns());
     side->bottomRows(padded - rows.corners).setZero();

@@ -14,15 +14,13 @@ namespace raybundle {
 /// translation in camera axes about the board's origin, [bend_x, bend_y, twist,] residual. u does not depend on fy and
 /// cy, nor v on fx and cx, so both have the same few columns. The two poses' columns are linear in the six (MotionMap).
 struct ViewRows {
-  Eigen::MatrixXd u, v;  ///< padded with zero rows to a multiple of kRowBlock
+  Eigen::MatrixXd u, v;  ///< padded with zero rows for gram()
   int corners = 0;
   int model_shape_size = 0;
   bool with_shape = false;
   double robust_chi2 = 0.0;    ///< sum of ρ(s) over the corners, s the squared whitened distance
   double weighted_chi2 = 0.0;  ///< sum of s ρ'(s): of the squared residual columns
 
-  static constexpr int kRowBlock = 4;
-  static Eigen::Index padded(Eigen::Index rows) { return (rows + kRowBlock - 1) / kRowBlock * kRowBlock; }
   int motion() const { return 2 + model_shape_size; }  ///< first of its six columns
   int columns() const { return motion() + 6 + (with_shape ? 3 : 0) + 1; }
   int unknowns() const { return columns() + 1; }  ///< fx fy cx cy, ... instead of focal and principal; without residual

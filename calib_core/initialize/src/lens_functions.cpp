@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "raybundle/camera/lanes.hpp"
+#include "raybundle/geometry/gram.hpp"
 #include "raybundle/geometry/target_clones.hpp"
 #include "start_lens.hpp"
 
@@ -150,7 +151,7 @@ LensFunctions functions_of() {
   functions.linearise = [](const double* parameters, const PointsInView& view, const Rigid3& pose, double scale_px,
                            LensRows& rows) {
     const auto corners = static_cast<Eigen::Index>(view.points.size());
-    const Eigen::Index padded = (corners + 3) / 4 * 4;
+    const Eigen::Index padded = padded_for_gram(corners);
     for (Eigen::MatrixXd& of_axis : rows.of_axis) {
       of_axis.resize(padded, kParameterCount<M> + 5);
       of_axis.bottomRows(padded - corners).setZero();

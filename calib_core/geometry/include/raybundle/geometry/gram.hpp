@@ -6,9 +6,14 @@
 
 namespace raybundle {
 
+inline constexpr Eigen::Index kGramRows = 4;
+
+/// The next multiple of kGramRows.
+inline Eigen::Index padded_for_gram(Eigen::Index rows) { return (rows + kGramRows - 1) / kGramRows * kGramRows; }
+
 /// Upper triangle of rowsᵀ rows.
 ///
-/// @param rows  their number is a multiple of 4
+/// @param rows  their number is a multiple of kGramRows
 void gram(const Eigen::MatrixXd& rows, Eigen::MatrixXd& product);
 
 }  // namespace raybundle
