@@ -12,6 +12,7 @@
 #include <new>
 #include <vector>
 
+#include "grey_png.hpp"
 #include "media/media.hpp"
 #include "raybundle/geometry/error.hpp"
 
@@ -157,7 +158,10 @@ bool is_dicom(std::string_view bytes) {
 cv::Mat decoded_grey(const std::string& bytes) {
   cv::Mat image;
   if (is_jpeg(bytes)) image = grey_of_jpeg(bytes);
-  if (is_png(bytes)) image = grey_of_png(bytes);
+  if (is_png(bytes)) {
+    image = grey_of_plain_png(bytes);
+    if (image.empty()) image = grey_of_png(bytes);
+  }
   if (!image.empty()) return image;
   if (is_dicom(bytes)) throw Error(ErrorKind::kIo, "an image in DICOM, which is not read: convert it to PNG");
   try {

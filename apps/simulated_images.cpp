@@ -37,9 +37,7 @@ cv::Mat mat_of(const GreyImage& image) {
   return mat;
 }
 
-void write_png(const fs::path& path, const GreyImage& image) {
-  write_file_whole(path, png_from(mat_of(image)));
-}
+void write_png(const fs::path& path, const GreyImage& image) { write_file_whole(path, png_from(mat_of(image))); }
 
 bool is_simulated_image(const fs::path& path) {
   const std::string name = path.filename().string();

@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
+#include <cstdint>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -13,6 +15,7 @@
 #include "image_files.hpp"
 #include "media/media.hpp"
 #include "page_text.hpp"
+#include "png_filters.hpp"
 #include "previews.hpp"
 #include "program.hpp"
 #include "real_data.hpp"
@@ -81,6 +84,42 @@ TEST(ImageCodec, ReadsRealImagesAsOpencvDoes) {
     }
   }
   EXPECT_GT(count, 100);
+}
+
+// Section 9.2 of the PNG specification, as it stands there.
+int predicted_by_png(int filter, int left, int above, int corner) {
+  const int p = left + above - corner;
+  const int from_left = std::abs(p - left), from_above = std::abs(p - above), from_corner = std::abs(p - corner);
+  const int nearest = from_left <= from_above && from_left <= from_corner ? left
+                      : from_above <= from_corner                         ? above
+                                                                          : corner;
+  return std::array{0, left, above, (left + above) / 2, nearest}.at(filter);
+}
+
+TEST(ImageCodec, UndoesEveryFilterOfPngsAtEverySize) {
+  cv::RNG random(5);
+  for (const int width : {1, 2, 7, 8, 9, 15, 40}) {
+    for (const int height : {1, 3, 8, 21}) {
+      std::vector<std::uint8_t> filtered;
+      cv::Mat expected(height, width, CV_8U), image(height, width, CV_8U);
+      for (int y = 0; y < height; ++y) {
+        const int filter = random.uniform(0, 5);
+        filtered.push_back(static_cast<std::uint8_t>(filter));
+        const auto at = [&](int column, int row) -> int {
+          return column < 0 || row < 0 ? 0 : static_cast<int>(expected.at<std::uint8_t>(row, column));
+        };
+        for (int x = 0; x < width; ++x) {
+          filtered.push_back(static_cast<std::uint8_t>(random.uniform(0, 256)));
+          const int predicted = predicted_by_png(filter, at(x - 1, y), at(x, y - 1), at(x - 1, y - 1));
+          expected.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(filtered.back() + predicted);
+        }
+      }
+      ASSERT_TRUE(apps::undo_png_filters(filtered.data(), image));
+      expect_same(image, expected, std::to_string(width) + "x" + std::to_string(height));
+      filtered[0] = 5;
+      EXPECT_FALSE(apps::undo_png_filters(filtered.data(), image));
+    }
+  }
 }
 
 TEST(ImageCodec, WritesPngsThatReadBackAsTheyWere) {
