@@ -5,9 +5,11 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <utility>
 
+#include "raybundle/geometry/target_clones.hpp"
 #include "saddle_fit.hpp"
 
 namespace raybundle {
@@ -26,7 +28,8 @@ struct Shape {
   bool doubtful = false, rough = false;  // as SaddleWindow
 };
 
-void take_samples(const cv::Mat& gray, const Eigen::Vector2d& centre, const Shape& shape, SaddleSamples& samples) {
+RAYBUNDLE_TARGET_CLONES void take_samples(const cv::Mat& gray, const Eigen::Vector2d& centre, const Shape& shape,
+                                          SaddleSamples& samples) {
   const Eigen::Matrix2d pixel_from_window = shape.window_from_pixel.inverse();
   Eigen::Vector2d reach = pixel_from_window.cwiseAbs().rowwise().sum();
   if (shape.round) reach = pixel_from_window.rowwise().norm();
@@ -35,19 +38,31 @@ void take_samples(const cv::Mat& gray, const Eigen::Vector2d& centre, const Shap
   const int top = std::max(0, static_cast<int>(std::ceil(centre.y() - reach.y())));
   const int bottom = std::min(gray.rows - 1, static_cast<int>(std::floor(centre.y() + reach.y())));
   const Eigen::Matrix2f window_from_pixel = shape.window_from_pixel.cast<float>();
+  constexpr int kMostColumns = 48;  // a window's sides are 22 samples long at most
+  const int columns = std::min(kMostColumns, (right - left) / shape.stride + 1);
+  float at_x[kMostColumns], u_of_x[kMostColumns], v_of_x[kMostColumns];
+  for (int i = 0; i < columns; ++i) {
+    at_x[i] = static_cast<float>(left + i * shape.stride - centre.x());
+    u_of_x[i] = window_from_pixel(0, 0) * at_x[i];
+    v_of_x[i] = window_from_pixel(1, 0) * at_x[i];
+  }
   samples.size = 0;
+  samples.weights = 0;
   for (int y = top; y <= bottom; y += shape.stride) {
-    const uchar* row = gray.ptr<uchar>(y);
+    constexpr float kLeastWeight = 0.02F;
+    const uchar* row = gray.ptr<uchar>(y) + left;
     const float at_y = static_cast<float>(y - centre.y());
-    for (int x = left; x <= right; x += shape.stride) {
-      constexpr float kLeastWeight = 0.02F;
-      const float at_x = static_cast<float>(x - centre.x());
-      const float u = window_from_pixel(0, 0) * at_x + window_from_pixel(0, 1) * at_y;
-      const float v = window_from_pixel(1, 0) * at_x + window_from_pixel(1, 1) * at_y;
+    const float u_of_y = window_from_pixel(0, 1) * at_y, v_of_y = window_from_pixel(1, 1) * at_y;
+    float root_weight[kMostColumns];
+    for (int i = 0; i < columns; ++i) {
+      const float u = u_of_x[i] + u_of_y, v = v_of_x[i] + v_of_y;
       const float fall_u = 1 - u * u, fall_v = 1 - v * v;
-      if (std::min(fall_u, fall_v) <= 0) continue;
       const float weight = shape.round ? fall_u - v * v : fall_u * fall_v;
-      if (weight > kLeastWeight && !samples.full()) samples.add(at_x, at_y, row[x], std::sqrt(weight));
+      const bool inside = (fall_u > 0) & (fall_v > 0) & (weight > kLeastWeight);
+      root_weight[i] = std::sqrt(inside ? weight : 0);
+    }
+    for (int i = 0; i < columns; ++i) {
+      samples.add(root_weight[i] > 0, at_x[i], at_y, row[i * shape.stride], root_weight[i]);
     }
   }
   samples.pad();
@@ -65,17 +80,42 @@ struct Edges {
   float beside_b(float x, float y) const { return b_x * y - b_y * x; }
 };
 
+/// Which of up to four sectors each sample lies in, and how much it counts there.
+struct Sectors {
+  int sector[SaddleSamples::kMost];
+  float weight[SaddleSamples::kMost];
+};
+
+using Four [[gnu::vector_size(4 * sizeof(float))]] = float;  // one of each sector
+struct SectorSums {
+  Four grey = {};
+  Four weight = {1e-9F, 1e-9F, 1e-9F, 1e-9F};  // an empty sector has a mean, too
+};
+
+/// Sums in the samples' order: to all sectors but one 0 is added, which takes no branch.
+SectorSums sums_of(const SaddleSamples& samples, const Sectors& sectors) {
+  using Mask [[gnu::vector_size(4 * sizeof(float))]] = std::int32_t;
+  static constexpr Mask kOnly[4] = {{-1, 0, 0, 0}, {0, -1, 0, 0}, {0, 0, -1, 0}, {0, 0, 0, -1}};
+  SectorSums sums;
+  for (int i = 0; i < samples.size; ++i) {
+    const Mask only = kOnly[sectors.sector[i]];
+    const float weight = sectors.weight[i], grey = weight * samples.grey[i];
+    sums.grey += reinterpret_cast<Four>(only & reinterpret_cast<Mask>(Four{grey, grey, grey, grey}));
+    sums.weight += reinterpret_cast<Four>(only & reinterpret_cast<Mask>(Four{weight, weight, weight, weight}));
+  }
+  return sums;
+}
+
 /// Start values of the linear parameters, from the samples' signs.
-void set_levels(const SaddleSamples& samples, SaddleVector& parameters) {
-  float sum[2] = {0, 0}, weight[2] = {1e-9F, 1e-9F};
+RAYBUNDLE_TARGET_CLONES [[gnu::flatten]] void set_levels(const SaddleSamples& samples, SaddleVector& parameters) {
   const Edges edges(parameters);
+  Sectors sectors;
   for (int i = 0; i < samples.size; ++i) {
     const float x = samples.x[i], y = samples.y[i];
-    const int bright = edges.beside_a(x, y) * edges.beside_b(x, y) < 0;
-    const float here = samples.root_weight[i] * samples.root_weight[i];
-    sum[bright] += here * samples.grey[i];
-    weight[bright] += here;
+    sectors.sector[i] = edges.beside_a(x, y) * edges.beside_b(x, y) < 0;
+    sectors.weight[i] = samples.root_weight[i] * samples.root_weight[i];
   }
+  const auto& [sum, weight] = sums_of(samples, sectors);
   const float dark_level = sum[0] / weight[0];
   const float bright_level = sum[1] / weight[1];
   parameters[kBase] = 0.5 * (dark_level + bright_level);
@@ -110,20 +150,20 @@ Saddle saddle_of(const SaddleFit& fit, const Eigen::Vector2d& start, int samples
 /// when the sectors do not alternate.
 ///
 /// @param margin_px  samples nearer to an edge count less
-double alternation(const SaddleSamples& samples, const SaddleVector& parameters, double margin_px) {
-  float sum[4] = {0, 0, 0, 0}, weight[4] = {1e-9F, 1e-9F, 1e-9F, 1e-9F};
+RAYBUNDLE_TARGET_CLONES [[gnu::flatten]] double alternation(const SaddleSamples& samples,
+                                                            const SaddleVector& parameters, double margin_px) {
   const Edges edges(parameters);
   const Eigen::Vector2f corner = parameters.head<2>().cast<float>();
-  const float sharp = static_cast<float>(1 / margin_px);
+  const float corner_x = corner.x(), corner_y = corner.y(), sharp = static_cast<float>(1 / margin_px);
+  Sectors sectors;
   for (int i = 0; i < samples.size; ++i) {
-    const float x = samples.x[i] - corner.x(), y = samples.y[i] - corner.y();
+    const float x = samples.x[i] - corner_x, y = samples.y[i] - corner_y;
     const float side_a = edges.beside_a(x, y), side_b = edges.beside_b(x, y);
-    const int sector = 2 * (side_a * side_b < 0) + (side_a < 0);
-    const float inside = samples.root_weight[i] * samples.root_weight[i] *
-                         std::min(1.0F, std::min(std::abs(side_a), std::abs(side_b)) * sharp);
-    sum[sector] += inside * samples.grey[i];
-    weight[sector] += inside;
+    sectors.sector[i] = 2 * (side_a * side_b < 0) + (side_a < 0);
+    sectors.weight[i] = samples.root_weight[i] * samples.root_weight[i] *
+                        std::min(1.0F, std::min(std::abs(side_a), std::abs(side_b)) * sharp);
   }
+  const auto& [sum, weight] = sums_of(samples, sectors);
   const double dark[2] = {sum[0] / weight[0], sum[1] / weight[1]};
   const double bright[2] = {sum[2] / weight[2], sum[3] / weight[3]};
   const double sign = parameters[kAmplitude] < 0 ? -1 : 1;

@@ -33,32 +33,35 @@ State evaluated(SaddleWork& work, const SaddleVector& parameters, const SaddlePr
 }
 
 /// Cholesky's factor of a matrix of this one size, below the diagonal; the diagonal holds its inverse. A fit solves a
-/// dozen of these systems, and a general solver takes longer for them than the sums over the window do.
+/// dozen of these systems, and a general solver takes longer for them than the sums over the window do. Column by column,
+/// so that a processor works on several rows at once.
 struct Factor {
-  double l[kSaddleParameters][kSaddleParameters];
+  double l[kSaddleParameters][kSaddleParameters];  // [column][row]
 
   /// `damping` is added to the diagonal, as a part of it. Singular directions get no step.
   Factor(const SaddleMatrix& matrix, double damping) {
     for (int j = 0; j < kSaddleParameters; ++j) {
-      double pivot = matrix(j, j) * (1 + damping);
-      for (int k = 0; k < j; ++k) pivot -= l[j][k] * l[j][k];
-      const double inverse = pivot > 1e-12 * matrix(j, j) ? 1 / std::sqrt(pivot) : 0;
-      l[j][j] = inverse;
-      for (int i = j + 1; i < kSaddleParameters; ++i) {
-        double value = matrix(i, j);
-        for (int k = 0; k < j; ++k) value -= l[i][k] * l[j][k];
-        l[i][j] = value * inverse;
+      for (int i = 0; i < kSaddleParameters; ++i) l[j][i] = matrix(i, j);
+      l[j][j] *= 1 + damping;
+    }
+    for (int k = 0; k < kSaddleParameters; ++k) {
+      const double pivot = l[k][k];
+      const double inverse = pivot > 1e-12 * matrix(k, k) ? 1 / std::sqrt(pivot) : 0;
+      for (int i = k + 1; i < kSaddleParameters; ++i) l[k][i] *= inverse;
+      l[k][k] = inverse;
+      for (int j = k + 1; j < kSaddleParameters; ++j) {
+        for (int i = j; i < kSaddleParameters; ++i) l[j][i] -= l[k][i] * l[k][j];
       }
     }
   }
 
   SaddleVector solve(SaddleVector b) const {
-    for (int i = 0; i < kSaddleParameters; ++i) {
-      for (int k = 0; k < i; ++k) b[i] -= l[i][k] * b[k];
-      b[i] *= l[i][i];
+    for (int k = 0; k < kSaddleParameters; ++k) {
+      b[k] *= l[k][k];
+      for (int i = k + 1; i < kSaddleParameters; ++i) b[i] -= l[k][i] * b[k];
     }
     for (int i = kSaddleParameters - 1; i >= 0; --i) {
-      for (int k = i + 1; k < kSaddleParameters; ++k) b[i] -= l[k][i] * b[k];
+      for (int k = i + 1; k < kSaddleParameters; ++k) b[i] -= l[i][k] * b[k];
       b[i] *= l[i][i];
     }
     return b;
@@ -104,8 +107,7 @@ SaddleFit minimise_saddle(SaddleWork& work, const SaddleVector& start, const Sad
   SaddleFit fit;
   fit.parameters = best.parameters;
   fit.squares = best.squares;
-  const SaddleSamples& samples = work.samples;
-  for (int i = 0; i < samples.size; ++i) fit.weights += samples.root_weight[i] * samples.root_weight[i];
+  fit.weights = work.samples.weights;
   // The rows may be those before the last step: next to the best, which is good enough for a covariance.
   fit.variance_px2 = position_variance(work, best.information);
   return fit;

@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "saddle_rows.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
-// The functions that are marked so are compiled twice on x86: for every processor, and for those with AVX2. Fused
-// multiply-add is not among what AVX2 means here and sums are kept in the same eight lanes, so both give the same bits.
+// The functions that are marked so are compiled three times on x86: for every processor, for those with AVX2 and for
+// those with AVX-512. Multiplications and additions are not fused (this file is compiled with -ffp-contract=off) and
+// sums are kept in the same eight lanes, so all give the same bits.
 #define RAYBUNDLE_INLINE [[gnu::always_inline]] inline
 
 namespace raybundle {
@@ -13,6 +16,7 @@ namespace {
 
 constexpr int kLanes = SaddleSamples::kLanes;
 using Lanes [[gnu::vector_size(sizeof(float) * kLanes), gnu::may_alias]] = float;
+using Pair [[gnu::vector_size(sizeof(float) * 2 * kLanes), gnu::may_alias]] = float;  // two groups, or two rows of one
 
 /// What the loop over samples needs of the parameters.
 struct Model {
@@ -42,109 +46,138 @@ Model model_of(const SaddleVector& parameters, const SaddleBends& bends) {
 /// erf(z / √2) and its derivative; error below 1e-6.
 /// Source: Abramowitz and Stegun, Handbook of Mathematical Functions, 7.1.26; the exponential is the sixteenth power of
 /// its Taylor series to the sixth term.
-RAYBUNDLE_INLINE void blurred_step(const Lanes& z, Lanes& step, Lanes& slope) {
+template <typename Values>
+RAYBUNDLE_INLINE void blurred_step(const Values& z, Values& step, Values& slope) {
   constexpr float kEnd = 4.5F;
-  const Lanes size = z < 0 ? -z : z;
-  const Lanes far = size < kEnd ? size : kEnd - 0 * z;
-  const Lanes u = far * far * (-0.5F / 16);
-  Lanes power = 1 + u * (1 + u * (0.5F + u * (1.0F / 6 + u * (1.0F / 24 + u * (1.0F / 120 + u * (1.0F / 720))))));
+  const Values size = z < 0 ? -z : z;
+  const Values far = size < kEnd ? size : kEnd - 0 * z;
+  const Values u = far * far * (-0.5F / 16);
+  Values power = 1 + u * (1 + u * (0.5F + u * (1.0F / 6 + u * (1.0F / 24 + u * (1.0F / 120 + u * (1.0F / 720))))));
   power *= power;
   power *= power;
   power *= power;
   power *= power;
-  const Lanes t = 1 / (1 + (0.3275911F * 0.70710678F) * far);
-  const Lanes tail =
+  const Values t = 1 / (1 + (0.3275911F * 0.70710678F) * far);
+  const Values tail =
       t * (0.254829592F + t * (-0.284496736F + t * (1.421413741F + t * (-1.453152027F + t * 1.061405429F))));
-  const Lanes positive = 1 - tail * power;
+  const Values positive = 1 - tail * power;
   step = z < 0 ? -positive : positive;
   slope = 0.79788456F * power;
 }
 
-RAYBUNDLE_INLINE const Lanes& lanes(const float* from) { return *reinterpret_cast<const Lanes*>(from); }
+template <typename Values>
+RAYBUNDLE_INLINE const Values& values_at(const float* from) {
+  return *reinterpret_cast<const Values*>(from);
+}
 
+RAYBUNDLE_INLINE void store(const Lanes& values, SaddleRows& rows, int group, int row) {
+  *reinterpret_cast<Lanes*>(rows.values[group][row]) = values;
+}
+
+RAYBUNDLE_INLINE void store(const Pair& values, SaddleRows& rows, int group, int row) {
+  store(__builtin_shufflevector(values, values, 0, 1, 2, 3, 4, 5, 6, 7), rows, group, row);
+  store(__builtin_shufflevector(values, values, 8, 9, 10, 11, 12, 13, 14, 15), rows, group + 1, row);
+}
+
+/// `Values` is as many samples as a register holds.
+template <typename Values>
 RAYBUNDLE_INLINE void write_rows(const SaddleSamples& samples, const Model& m, SaddleRows& rows) {
+  constexpr int kStep = sizeof(Values) / sizeof(float);
   const int n = samples.padded();
-  for (int i = 0; i < n; i += kLanes) {
-    const Lanes sample_x = lanes(samples.x + i), sample_y = lanes(samples.y + i);
-    const Lanes root = lanes(samples.root_weight + i);
-    const auto row = [&](int which) __attribute__((always_inline))->Lanes& {
-      return *reinterpret_cast<Lanes*>(rows.values[which] + i);
+  for (int i = 0; i < n; i += kStep) {
+    const Values sample_x = values_at<Values>(samples.x + i), sample_y = values_at<Values>(samples.y + i);
+    const Values root = values_at<Values>(samples.root_weight + i);
+    const auto put = [&](int which, const Values& values) __attribute__((always_inline)) {
+      store(values, rows, i / kLanes, which);
     };
-    const Lanes x = sample_x - m.x, y = sample_y - m.y;
-    const Lanes t_a = m.a_x * x + m.a_y * y, n_a = m.a_x * y - m.a_y * x;  // along and across edge a
-    const Lanes t_b = m.b_x * x + m.b_y * y, n_b = m.b_x * y - m.b_y * x;
-    const Lanes z_a = (n_a - m.half_bend_a * t_a * t_a) * m.sharp;
-    const Lanes z_b = (n_b - m.half_bend_b * t_b * t_b) * m.sharp;
-    Lanes step_a, slope_a, step_b, slope_b;
+    const Values x = sample_x - m.x, y = sample_y - m.y;
+    const Values t_a = m.a_x * x + m.a_y * y, n_a = m.a_x * y - m.a_y * x;  // along and across edge a
+    const Values t_b = m.b_x * x + m.b_y * y, n_b = m.b_x * y - m.b_y * x;
+    const Values z_a = (n_a - m.half_bend_a * t_a * t_a) * m.sharp;
+    const Values z_b = (n_b - m.half_bend_b * t_b * t_b) * m.sharp;
+    Values step_a, slope_a, step_b, slope_b;
     blurred_step(z_a, step_a, slope_a);
     blurred_step(z_b, step_b, slope_b);
     // Blur couples edges that are not perpendicular: the bivariate normal's tetrachoric series to its second term.
-    const Lanes both = slope_a * slope_b, coupled = m.coupling * both;
-    const Lanes series = 1 + 0.5F * m.coupling * z_a * z_b;
-    const Lanes p = -(step_a * step_b + coupled * series);
-    const Lanes half_light = 0.5F * (1 + p);
-    const Lanes shade = m.shade_x * sample_x + m.shade_y * sample_y;
-    const Lanes model = m.base + p * (m.amplitude + m.tone * p) + shade * half_light;
-    const Lanes wrt_p = root * (m.amplitude + 2 * m.tone * p + 0.5F * shade);
-    const Lanes wrt_z_a = wrt_p * (slope_a * step_b + coupled * (0.5F * m.coupling * z_b - z_a * series));
-    const Lanes wrt_z_b = wrt_p * (slope_b * step_a + coupled * (0.5F * m.coupling * z_a - z_b * series));
-    const Lanes wrt_d_a = -wrt_z_a * m.sharp, wrt_d_b = -wrt_z_b * m.sharp;
-    const Lanes wrt_turn = -m.coupling_wrt_a * wrt_p * both * (1 + m.coupling * z_a * z_b);
-    const Lanes bent_a = 2 * m.half_bend_a * t_a, bent_b = 2 * m.half_bend_b * t_b;
-    row(kX) = wrt_d_a * (m.a_y + bent_a * m.a_x) + wrt_d_b * (m.b_y + bent_b * m.b_x);
-    row(kY) = wrt_d_a * (bent_a * m.a_y - m.a_x) + wrt_d_b * (bent_b * m.b_y - m.b_x);
-    row(kAngleA) = wrt_turn - wrt_d_a * (t_a + bent_a * n_a);
-    row(kAngleB) = -wrt_turn - wrt_d_b * (t_b + bent_b * n_b);
-    row(kLogBlur) = wrt_z_a * z_a + wrt_z_b * z_b;
-    row(kBase) = root;
-    row(kAmplitude) = root * p;
-    row(kTone) = root * p * p;
-    row(kShadeX) = root * sample_x * half_light;
-    row(kShadeY) = root * sample_y * half_light;
-    row(kSaddleParameters) = root * (lanes(samples.grey + i) - model);
+    const Values both = slope_a * slope_b, coupled = m.coupling * both;
+    const Values series = 1 + 0.5F * m.coupling * z_a * z_b;
+    const Values p = -(step_a * step_b + coupled * series);
+    const Values half_light = 0.5F * (1 + p);
+    const Values shade = m.shade_x * sample_x + m.shade_y * sample_y;
+    const Values model = m.base + p * (m.amplitude + m.tone * p) + shade * half_light;
+    const Values wrt_p = root * (m.amplitude + 2 * m.tone * p + 0.5F * shade);
+    const Values wrt_z_a = wrt_p * (slope_a * step_b + coupled * (0.5F * m.coupling * z_b - z_a * series));
+    const Values wrt_z_b = wrt_p * (slope_b * step_a + coupled * (0.5F * m.coupling * z_a - z_b * series));
+    const Values wrt_d_a = -wrt_z_a * m.sharp, wrt_d_b = -wrt_z_b * m.sharp;
+    const Values wrt_turn = -m.coupling_wrt_a * wrt_p * both * (1 + m.coupling * z_a * z_b);
+    const Values bent_a = 2 * m.half_bend_a * t_a, bent_b = 2 * m.half_bend_b * t_b;
+    put(kX, wrt_d_a * (m.a_y + bent_a * m.a_x) + wrt_d_b * (m.b_y + bent_b * m.b_x));
+    put(kY, wrt_d_a * (bent_a * m.a_y - m.a_x) + wrt_d_b * (bent_b * m.b_y - m.b_x));
+    put(kAngleA, wrt_turn - wrt_d_a * (t_a + bent_a * n_a));
+    put(kAngleB, -wrt_turn - wrt_d_b * (t_b + bent_b * n_b));
+    put(kLogBlur, wrt_z_a * z_a + wrt_z_b * z_b);
+    put(kBase, root);
+    put(kAmplitude, root * p);
+    put(kTone, root * p * p);
+    put(kShadeX, root * sample_x * half_light);
+    put(kShadeY, root * sample_y * half_light);
+    put(kSaddleParameters, root * (values_at<Values>(samples.grey + i) - model));
+    put(SaddleRows::kCount, 0 * root);
   }
 }
 
-/// Products of row `first` with rows begin to begin + kWidth - 1.
-template <int kWidth>
-RAYBUNDLE_INLINE void write_products(const SaddleRows& rows, int n, int first, int begin, SaddleProduct& product) {
-  Lanes sums[kWidth] = {};
-  for (int i = 0; i < n; i += kLanes) {
-    const Lanes one = lanes(rows.values[first] + i);
-    for (int k = 0; k < kWidth; ++k) sums[k] += one * lanes(rows.values[begin + k] + i);
+/// Products of kFirsts rows from row `kFirst` on with that row and all after it, two at a time.
+template <int kFirst, int kFirsts>
+RAYBUNDLE_INLINE void write_products(const SaddleRows& rows, int groups, SaddleProduct& product) {
+  constexpr int kBegin = kFirst / 2, kPairs = SaddleRows::kPadded / 2 - kBegin;
+  Pair sums[kFirsts][kPairs] = {};
+  for (int group = 0; group < groups; ++group) {
+    const auto& of_group = rows.values[group];
+    for (int f = 0; f < kFirsts; ++f) {
+      const Lanes& row = values_at<Lanes>(of_group[kFirst + f]);
+      const Pair twice = __builtin_shufflevector(row, row, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7);
+      for (int k = 0; k < kPairs; ++k) sums[f][k] += twice * values_at<Pair>(of_group[2 * (kBegin + k)]);
+    }
   }
-  for (int k = 0; k < kWidth; ++k) {
-    float sum = 0;
-    for (int lane = 0; lane < kLanes; ++lane) sum += sums[k][lane];
-    product(first, begin + k) = product(begin + k, first) = sum;
+  for (int f = 0; f < kFirsts; ++f) {
+    const int first = kFirst + f;
+    for (int second = first; second < SaddleRows::kCount; ++second) {
+      const float* of_pair = reinterpret_cast<const float*>(&sums[f][second / 2 - kBegin]) + second % 2 * kLanes;
+      float sum = 0;
+      for (int lane = 0; lane < kLanes; ++lane) sum += of_pair[lane];
+      product(first, second) = product(second, first) = sum;
+    }
   }
 }
 
-RAYBUNDLE_INLINE void write_all_products(const SaddleRows& rows, int n, SaddleProduct& product) {
-  constexpr int kWidth =
-      6;  // as many sums as registers hold; rows before the diagonal are computed twice or not at all
-  for (int first = 0; first < SaddleRows::kCount; ++first) {
-    write_products<kWidth>(rows, n, first, SaddleRows::kCount - kWidth, product);
-    if (first < SaddleRows::kCount - kWidth) write_products<SaddleRows::kCount - kWidth>(rows, n, first, 0, product);
-  }
-}
-
+/// @tparam kFirsts  rows at once: as many sums as registers hold
+template <typename Values, int kFirsts>
 RAYBUNDLE_INLINE void equations(const SaddleSamples& samples, const Model& model, SaddleRows& rows,
                                 SaddleProduct& product) {
-  write_rows(samples, model, rows);
-  write_all_products(rows, samples.padded(), product);
+  write_rows<Values>(samples, model, rows);
+  const int groups = samples.groups();
+  const auto all = [&]<int... k>(std::integer_sequence<int, k...>) __attribute__((always_inline)) {
+    (write_products<k * kFirsts, std::min(kFirsts, SaddleRows::kCount - k * kFirsts)>(rows, groups, product), ...);
+  };
+  all(std::make_integer_sequence<int, (SaddleRows::kCount + kFirsts - 1) / kFirsts>());
 }
 
 void equations_anywhere(const SaddleSamples& samples, const Model& model, SaddleRows& rows, SaddleProduct& product) {
-  equations(samples, model, rows, product);
+  equations<Lanes, 1>(samples, model, rows, product);
 }
 
 #if defined(__x86_64__)
 [[gnu::target("avx2")]] void equations_avx2(const SaddleSamples& samples, const Model& model, SaddleRows& rows,
                                             SaddleProduct& product) {
-  equations(samples, model, rows, product);
+  equations<Lanes, 1>(samples, model, rows, product);
+}
+[[gnu::target("avx512f,avx512vl,avx512dq")]] void equations_avx512(const SaddleSamples& samples, const Model& model,
+                                                                   SaddleRows& rows, SaddleProduct& product) {
+  equations<Pair, 2>(samples, model, rows, product);
 }
 const bool kAvx2 = __builtin_cpu_supports("avx2");
+const bool kAvx512 =
+    __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq");
 #endif
 
 }  // namespace
@@ -158,6 +191,10 @@ SaddleProduct saddle_equations(const SaddleSamples& samples, const SaddleVector&
   SaddleProduct product;
   const Model model = model_of(parameters, bends);
 #if defined(__x86_64__)
+  if (kAvx512) {
+    equations_avx512(samples, model, rows, product);
+    return product;
+  }
   if (kAvx2) {
     equations_avx2(samples, model, rows, product);
     return product;
@@ -170,10 +207,11 @@ SaddleProduct saddle_equations(const SaddleSamples& samples, const SaddleVector&
 double weighted_square(const SaddleSamples& samples, const SaddleRows& rows,
                        const Eigen::Matrix<float, kSaddleParameters, 1>& combination) {
   Lanes sums = {};
-  for (int i = 0; i < samples.padded(); i += kLanes) {
-    Lanes value = combination[0] * lanes(rows.values[0] + i);
-    for (int k = 1; k < kSaddleParameters; ++k) value += combination[k] * lanes(rows.values[k] + i);
-    value *= lanes(samples.root_weight + i);
+  for (int group = 0; group < samples.groups(); ++group) {
+    const auto& of_group = rows.values[group];
+    Lanes value = combination[0] * values_at<Lanes>(of_group[0]);
+    for (int k = 1; k < kSaddleParameters; ++k) value += combination[k] * values_at<Lanes>(of_group[k]);
+    value *= values_at<Lanes>(samples.root_weight + group * kLanes);
     sums += value * value;
   }
   double sum = 0;

@@ -24,28 +24,35 @@ struct SaddleBends {
 
 /// The pixels of a window, one array for each quantity, so that a processor works on several samples at once.
 struct SaddleSamples {
-  static constexpr int kMost = 768;  ///< whole groups of kLanes; a window of 23x23 and its border fit
-  static constexpr int kLanes = 8;
+  static constexpr int kMost = 768;                 ///< whole pairs of groups; a window of 23x23 and its border fit
+  static constexpr int kLanes = 8;                  ///< samples of a group
+  static constexpr int kRoom = kMost + 2 * kLanes;  ///< and one that add() does not keep
   int size = 0;
-  alignas(32) float x[kMost], y[kMost];  ///< [px] from the window's centre
-  alignas(32) float grey[kMost];         ///< grey values
-  alignas(32) float root_weight[kMost];  ///< square root of the sample's weight
+  double weights = 0;                    ///< sum of all weights
+  alignas(64) float x[kRoom], y[kRoom];  ///< [px] from the window's centre
+  alignas(64) float grey[kRoom];         ///< grey values
+  alignas(64) float root_weight[kRoom];  ///< square root of the sample's weight
 
-  void add(float at_x, float at_y, float value, float root) {
+  /// Written in any case and overwritten by the next one where it is not kept: no branch to be foreseen.
+  void add(bool keep, float at_x, float at_y, float value, float root) {
+    keep = keep && size < kMost;
     x[size] = at_x, y[size] = at_y, grey[size] = value, root_weight[size] = root;
-    ++size;
+    weights += keep ? root * root : 0;
+    size += keep;
   }
-  bool full() const { return size == kMost; }
-  /// Fills the last group with samples of no weight.
+  /// Fills the last pair of groups with samples of no weight.
   void pad();
-  int padded() const { return (size + kLanes - 1) / kLanes * kLanes; }
+  int padded() const { return (size + 2 * kLanes - 1) / (2 * kLanes) * (2 * kLanes); }
+  int groups() const { return padded() / kLanes; }
 };
 
 /// Weighted rows of the least squares problem: its Jacobian's columns, then the residual. Single precision is plenty
 /// for the normal equations of a fit that is good to a thousandth of a pixel, and twice as fast.
 struct SaddleRows {
   static constexpr int kCount = kSaddleParameters + 1;
-  alignas(32) float values[kCount][SaddleSamples::kMost];
+  static constexpr int kPadded = kCount + 1;  ///< with a row of zeros: rows are multiplied in pairs
+  /// The rows of one group of samples stand together, so that the widest registers take two at once.
+  alignas(64) float values[SaddleSamples::kMost / SaddleSamples::kLanes][kPadded][SaddleSamples::kLanes];
 };
 
 /// Sums of products of all pairs of rows.
