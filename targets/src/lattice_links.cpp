@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "lattice.hpp"
+#include "raybundle/geometry/target_clones.hpp"
 
 namespace raybundle {
 namespace {
@@ -28,31 +29,40 @@ float grey_at(const cv::Mat& image, const Eigen::Vector2f& pixel) {
 
 /// Candidates as arrays, so that a processor looks at several at once.
 struct Places {
-  std::vector<float> x, y;
-  std::vector<std::uint8_t> along;  // whether the last one looked at has a ray towards this one, or away from it
+  std::vector<float> x, y, a_x, a_y, b_x, b_y;  // place and two of the rays; the others are opposite
+  std::vector<std::uint8_t> faces;              // whether this one and the last one looked at may face each other
 
-  explicit Places(const std::vector<SaddleCandidate>& candidates) : along(candidates.size()) {
+  explicit Places(const std::vector<SaddleCandidate>& candidates) : faces(candidates.size()) {
     for (const SaddleCandidate& candidate : candidates) {
       x.push_back(candidate.pixel.x());
       y.push_back(candidate.pixel.y());
-    }
-  }
-
-  /// Looks at all from `begin` on.
-  void look(const SaddleCandidate& from, std::size_t begin) {
-    const float from_x = from.pixel.x(), from_y = from.pixel.y();
-    const float a_x = from.rays[0].x(), a_y = from.rays[0].y(), b_x = from.rays[1].x(), b_y = from.rays[1].y();
-    const float *all_x = x.data(), *all_y = y.data();
-    std::uint8_t* __restrict out = along.data();
-    const std::size_t count = along.size();
-    for (std::size_t j = begin; j < count; ++j) {
-      const float way_x = all_x[j] - from_x, way_y = all_y[j] - from_y;
-      const float along_a = a_x * way_x + a_y * way_y, along_b = b_x * way_x + b_y * way_y;
-      const float least = kAlong * kAlong * (way_x * way_x + way_y * way_y);
-      out[j] = static_cast<std::uint8_t>((along_a * along_a >= least) | (along_b * along_b >= least));
+      a_x.push_back(candidate.rays[0].x());
+      a_y.push_back(candidate.rays[0].y());
+      b_x.push_back(candidate.rays[1].x());
+      b_y.push_back(candidate.rays[1].y());
     }
   }
 };
+
+/// Looks at all from `begin` on: a ray of one and a ray of the other kind of the other must run along the way between.
+RAYBUNDLE_TARGET_CLONES void look(Places& places, std::size_t from, std::size_t begin) {
+  const float from_x = places.x[from], from_y = places.y[from];
+  const float from_a_x = places.a_x[from], from_a_y = places.a_y[from];
+  const float from_b_x = places.b_x[from], from_b_y = places.b_y[from];
+  const float *x = places.x.data(), *y = places.y.data(), *a_x = places.a_x.data(), *a_y = places.a_y.data(),
+              *b_x = places.b_x.data(), *b_y = places.b_y.data();
+  std::uint8_t* __restrict out = places.faces.data();
+  const std::size_t count = places.faces.size();
+  for (std::size_t j = begin; j < count; ++j) {
+    const float way_x = x[j] - from_x, way_y = y[j] - from_y;
+    const float from_a = from_a_x * way_x + from_a_y * way_y, from_b = from_b_x * way_x + from_b_y * way_y;
+    const float to_a = a_x[j] * way_x + a_y[j] * way_y, to_b = b_x[j] * way_x + b_y[j] * way_y;
+    const float least = kAlong * kAlong * (way_x * way_x + way_y * way_y);
+    const float back = 0.999F * least;  // rounding: the last word is nearest_links'
+    out[j] = static_cast<std::uint8_t>(((from_a * from_a >= least) & (to_b * to_b >= back)) |
+                                       ((from_b * from_b >= least) & (to_a * to_a >= back)));
+  }
+}
 
 /// The nearest candidate along each ray whose own ray looks back and which an edge joins.
 Links nearest_links(const std::vector<SaddleCandidate>& candidates, const cv::Mat& blurred) {
@@ -61,9 +71,9 @@ Links nearest_links(const std::vector<SaddleCandidate>& candidates, const cv::Ma
   Places places(candidates);
   const float longest = 0.45F * static_cast<float>(std::max(blurred.cols, blurred.rows));
   for (int i = 0; i < n; ++i) {
-    places.look(candidates[i], static_cast<std::size_t>(i) + 1);
+    look(places, static_cast<std::size_t>(i), static_cast<std::size_t>(i) + 1);
     for (int j = i + 1; j < n; ++j) {
-      if (places.along[j] == 0) continue;
+      if (places.faces[j] == 0) continue;
       const Eigen::Vector2f way = candidates[j].pixel - candidates[i].pixel;
       const float distance = way.norm();
       if (distance < 2.5F || distance > longest) continue;

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 
+#include "raybundle/geometry/target_clones.hpp"
 #include "saddle.hpp"
 
 namespace raybundle {
@@ -16,7 +18,7 @@ constexpr std::size_t kMostCandidates = 1200;  // bounds the search for links, w
 
 /// Minus the Hessian's determinant, from second differences over two pixels: large at saddles, 0 along edges and below
 /// at blobs.
-void saddle_strength(const cv::Mat& blurred, cv::Mat& strength) {
+RAYBUNDLE_TARGET_CLONES void saddle_strength(const cv::Mat& blurred, cv::Mat& strength) {
   strength.create(blurred.size(), CV_32F);
   strength.setTo(0);
   for (int y = 2; y < blurred.rows - 2; ++y) {
@@ -34,13 +36,17 @@ void saddle_strength(const cv::Mat& blurred, cv::Mat& strength) {
 }
 
 /// Marks where a row is at least `weakest` and nowhere below its four neighbours: most of the image is not.
-void mark_high(const cv::Mat& strength, int y, float weakest, std::vector<std::uint8_t>& high) {
+RAYBUNDLE_TARGET_CLONES void mark_high(const cv::Mat& strength, int y, float weakest, std::vector<std::uint8_t>& high) {
   const float *above = strength.ptr<float>(y - 1), *here = strength.ptr<float>(y), *below = strength.ptr<float>(y + 1);
   std::uint8_t* __restrict out = high.data();
   for (int x = kMargin; x < strength.cols - kMargin; ++x) {
     out[x] = static_cast<std::uint8_t>((here[x] >= weakest) & (here[x] >= here[x - 1]) & (here[x] >= here[x + 1]) &
                                        (here[x] >= above[x]) & (here[x] >= below[x]));
   }
+}
+
+const std::uint8_t* next_marked(const std::uint8_t* from, const std::uint8_t* end) {
+  return static_cast<const std::uint8_t*>(std::memchr(from, 1, static_cast<std::size_t>(end - from)));
 }
 
 bool is_peak(const cv::Mat& strength, int x, int y) {
@@ -80,8 +86,9 @@ std::vector<SaddleCandidate> saddle_candidates(const cv::Mat& blurred) {
   std::vector<std::uint8_t> high(static_cast<std::size_t>(blurred.cols), 0);
   for (int y = kMargin; y < blurred.rows - kMargin; ++y) {
     mark_high(strength, y, kWeakest, high);
-    for (auto at = high.begin(); (at = std::find(at, high.end(), 1)) != high.end(); ++at) {
-      const int x = static_cast<int>(at - high.begin());
+    const std::uint8_t *at = high.data(), *const end = at + high.size();
+    for (; (at = next_marked(at, end)) != nullptr; ++at) {
+      const int x = static_cast<int>(at - high.data());
       if (!is_peak(strength, x, y)) continue;
       const auto pixel = stationary_point(blurred, x, y);
       if (!pixel) continue;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "raybundle/geometry/target_clones.hpp"
+
 namespace raybundle {
 namespace {
 
@@ -36,7 +38,8 @@ State evaluated(SaddleWork& work, const SaddleVector& parameters, const SaddlePr
 /// dozen of these systems, and a general solver takes longer for them than the sums over the window do. Column by column,
 /// so that a processor works on several rows at once.
 struct Factor {
-  double l[kSaddleParameters][kSaddleParameters];  // [column][row]
+  static constexpr int kRows = 12;  // whole registers; what stands above the diagonal and in the last two means nothing
+  double l[kSaddleParameters][kRows] = {};  // [column][row]
 
   /// `damping` is added to the diagonal, as a part of it. Singular directions get no step.
   Factor(const SaddleMatrix& matrix, double damping) {
@@ -44,13 +47,19 @@ struct Factor {
       for (int i = 0; i < kSaddleParameters; ++i) l[j][i] = matrix(i, j);
       l[j][j] *= 1 + damping;
     }
+    decompose(matrix);
+  }
+
+  // For every processor and for wide registers.
+  RAYBUNDLE_TARGET_CLONES void decompose(const SaddleMatrix& matrix) {
     for (int k = 0; k < kSaddleParameters; ++k) {
       const double pivot = l[k][k];
       const double inverse = pivot > 1e-12 * matrix(k, k) ? 1 / std::sqrt(pivot) : 0;
-      for (int i = k + 1; i < kSaddleParameters; ++i) l[k][i] *= inverse;
+      for (int i = 0; i < kRows; ++i) l[k][i] *= inverse;
       l[k][k] = inverse;
       for (int j = k + 1; j < kSaddleParameters; ++j) {
-        for (int i = j; i < kSaddleParameters; ++i) l[j][i] -= l[k][i] * l[k][j];
+        const double factor = l[k][j];
+        for (int i = 0; i < kRows; ++i) l[j][i] -= l[k][i] * factor;
       }
     }
   }

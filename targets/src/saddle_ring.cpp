@@ -1,9 +1,13 @@
 // SPDX-FileCopyrightText: The Raybundle authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
+#include "raybundle/geometry/target_clones.hpp"
 #include "saddle.hpp"
 
 namespace raybundle {
@@ -12,26 +16,44 @@ namespace {
 constexpr int kSamples = 32;
 
 /// Unit vectors of the samples, clockwise from x.
-const std::array<Eigen::Vector2f, kSamples>& ring_directions() {
+struct Directions {
+  std::array<float, kSamples> x, y;
+};
+const Directions& ring_directions() {
   static const auto directions = [] {
-    std::array<Eigen::Vector2f, kSamples> out;
+    Directions out;
     for (int i = 0; i < kSamples; ++i) {
       const double angle = 2 * std::numbers::pi * i / kSamples;
-      out[i] = Eigen::Vector2d(std::cos(angle), std::sin(angle)).cast<float>();
+      out.x[i] = static_cast<float>(std::cos(angle));
+      out.y[i] = static_cast<float>(std::sin(angle));
     }
     return out;
   }();
   return directions;
 }
 
-float bilinear(const cv::Mat& gray, float x, float y) {
-  const int x0 = static_cast<int>(x);
-  const int y0 = static_cast<int>(y);
-  const float fx = x - static_cast<float>(x0);
-  const float fy = y - static_cast<float>(y0);
-  const uchar* top = gray.ptr<uchar>(y0) + x0;
-  const uchar* bottom = top + gray.step[0];
-  return (1 - fy) * ((1 - fx) * top[0] + fx * top[1]) + fy * ((1 - fx) * bottom[0] + fx * bottom[1]);
+/// Grey values on the ring, bilinear.
+RAYBUNDLE_TARGET_CLONES void sample_ring(const cv::Mat& gray, const Eigen::Vector2f& centre, float radius_px,
+                                         const Directions& directions, std::array<float, kSamples>& value) {
+  const float centre_x = centre[0], centre_y = centre[1];
+  std::array<int, kSamples> column, row;
+  std::array<float, kSamples> fx, fy, top_left, top_right, bottom_left, bottom_right;
+  for (int i = 0; i < kSamples; ++i) {
+    const float x = centre_x + radius_px * directions.x[i], y = centre_y + radius_px * directions.y[i];
+    column[i] = static_cast<int>(x);
+    row[i] = static_cast<int>(y);
+    fx[i] = x - static_cast<float>(column[i]);
+    fy[i] = y - static_cast<float>(row[i]);
+  }
+  for (int i = 0; i < kSamples; ++i) {
+    const uchar *top = gray.data + row[i] * gray.step[0] + column[i], *bottom = top + gray.step[0];
+    top_left[i] = top[0], top_right[i] = top[1], bottom_left[i] = bottom[0], bottom_right[i] = bottom[1];
+  }
+  for (int i = 0; i < kSamples; ++i) {
+    const float top = (1 - fx[i]) * top_left[i] + fx[i] * top_right[i];
+    const float bottom = (1 - fx[i]) * bottom_left[i] + fx[i] * bottom_right[i];
+    value[i] = (1 - fy[i]) * top + fy[i] * bottom;
+  }
 }
 
 double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
@@ -45,29 +67,28 @@ std::optional<SaddleRing> saddle_ring(const cv::Mat& gray, const Eigen::Vector2d
     return std::nullopt;
   }
   std::array<float, kSamples> value;
+  sample_ring(gray, centre.cast<float>(), static_cast<float>(radius_px), ring_directions(), value);
   float low = 255, high = 0;
-  for (int i = 0; i < kSamples; ++i) {
-    const Eigen::Vector2f at = centre.cast<float>() + static_cast<float>(radius_px) * ring_directions()[i];
-    value[i] = bilinear(gray, at.x(), at.y());
-    low = std::min(low, value[i]);
-    high = std::max(high, value[i]);
+  for (const float grey : value) {
+    low = std::min(low, grey);
+    high = std::max(high, grey);
   }
   if (high - low < 8) return std::nullopt;
   const float middle = 0.5F * (low + high);
 
   // Exactly four changes, opposite ones about half a turn apart. `rising`: dark to bright, clockwise.
+  std::uint32_t dark = 0;
+  for (int i = 0; i < kSamples; ++i) dark |= static_cast<std::uint32_t>(value[i] - middle < 0) << i;
+  std::uint32_t changes = dark ^ std::rotr(dark, 1);
+  if (std::popcount(changes) != 4) return std::nullopt;
+  const bool first_rises = (dark >> std::countr_zero(changes) & 1) != 0;
   double crossing[4];
-  int crossings = 0;
-  bool first_rises = false;
-  for (int i = 0; i < kSamples; ++i) {
-    const float here = value[i] - middle;
-    const float next = value[(i + 1) % kSamples] - middle;
-    if ((here < 0) == (next < 0)) continue;
-    if (crossings == 4) return std::nullopt;
-    if (crossings == 0) first_rises = here < 0;
-    crossing[crossings++] = 2 * kPi / kSamples * (i + static_cast<double>(here / (here - next)));
+  for (double& at : crossing) {
+    const int i = std::countr_zero(changes);
+    changes &= changes - 1;
+    const float here = value[i] - middle, next = value[(i + 1) % kSamples] - middle;
+    at = 2 * kPi / kSamples * (i + static_cast<double>(here / (here - next)));
   }
-  if (crossings != 4) return std::nullopt;
   constexpr double kBent = 0.7;  // [rad] opposite edges may differ this much: blur, a centre that is a pixel off
   const double straight_0 = wrapped(crossing[2] - crossing[0] - kPi);
   const double straight_1 = wrapped(crossing[3] - crossing[1] - kPi);

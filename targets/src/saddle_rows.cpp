@@ -126,54 +126,66 @@ RAYBUNDLE_INLINE void write_rows(const SaddleSamples& samples, const Model& m, S
   }
 }
 
-/// Products of kFirsts rows from row `kFirst` on with that row and all after it, two at a time.
-template <int kFirst, int kFirsts>
+RAYBUNDLE_INLINE void repeat(const Lanes& row, Lanes& repeated) { repeated = row; }
+RAYBUNDLE_INLINE void repeat(const Lanes& row, Pair& repeated) {
+  repeated = __builtin_shufflevector(row, row, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7);
+}
+
+/// Products of kFirsts rows, from kFirst on, with the rows from kBegin on, kSums registers of them at once.
+template <typename Values, int kFirst, int kFirsts, int kBegin, int kSums>
 RAYBUNDLE_INLINE void write_products(const SaddleRows& rows, int groups, SaddleProduct& product) {
-  constexpr int kBegin = kFirst / 2, kPairs = SaddleRows::kPadded / 2 - kBegin;
-  Pair sums[kFirsts][kPairs] = {};
+  constexpr int kRows = sizeof(Values) / sizeof(Lanes);  // of a register
+  Values sums[kFirsts][kSums] = {};
   for (int group = 0; group < groups; ++group) {
     const auto& of_group = rows.values[group];
     for (int f = 0; f < kFirsts; ++f) {
-      const Lanes& row = values_at<Lanes>(of_group[kFirst + f]);
-      const Pair twice = __builtin_shufflevector(row, row, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7);
-      for (int k = 0; k < kPairs; ++k) sums[f][k] += twice * values_at<Pair>(of_group[2 * (kBegin + k)]);
+      Values row;
+      repeat(values_at<Lanes>(of_group[kFirst + f]), row);
+      for (int k = 0; k < kSums; ++k) sums[f][k] += row * values_at<Values>(of_group[kBegin + kRows * k]);
     }
   }
   for (int f = 0; f < kFirsts; ++f) {
-    const int first = kFirst + f;
-    for (int second = first; second < SaddleRows::kCount; ++second) {
-      const float* of_pair = reinterpret_cast<const float*>(&sums[f][second / 2 - kBegin]) + second % 2 * kLanes;
+    for (int k = 0; k < kRows * kSums && kBegin + k < SaddleRows::kCount; ++k) {
       float sum = 0;
-      for (int lane = 0; lane < kLanes; ++lane) sum += of_pair[lane];
-      product(first, second) = product(second, first) = sum;
+      for (int lane = 0; lane < kLanes; ++lane) sum += sums[f][k / kRows][k % kRows * kLanes + lane];
+      product(kFirst + f, kBegin + k) = product(kBegin + k, kFirst + f) = sum;
     }
   }
 }
 
-/// @tparam kFirsts  rows at once: as many sums as registers hold
-template <typename Values, int kFirsts>
+/// @tparam kFirsts, kMost  rows and registers of other rows at once: as many sums as there are registers for
+template <typename Values, int kFirsts, int kMost, int kFirst = 0, int kBegin = 0>
+RAYBUNDLE_INLINE void write_all_products(const SaddleRows& rows, int groups, SaddleProduct& product) {
+  constexpr int kRows = sizeof(Values) / sizeof(Lanes);
+  constexpr int kSums = std::min(kMost, (SaddleRows::kCount - kBegin + kRows - 1) / kRows);
+  constexpr int kNext = kFirst + kFirsts, kEnd = kBegin + kRows * kSums;
+  write_products<Values, kFirst, std::min(kFirsts, SaddleRows::kCount - kFirst), kBegin, kSums>(rows, groups, product);
+  if constexpr (kEnd < SaddleRows::kCount) {
+    write_all_products<Values, kFirsts, kMost, kFirst, kEnd>(rows, groups, product);
+  } else if constexpr (kNext < SaddleRows::kCount) {
+    write_all_products<Values, kFirsts, kMost, kNext, kNext / kRows * kRows>(rows, groups, product);
+  }
+}
+
+template <typename Values, int kFirsts, int kMost>
 RAYBUNDLE_INLINE void equations(const SaddleSamples& samples, const Model& model, SaddleRows& rows,
                                 SaddleProduct& product) {
   write_rows<Values>(samples, model, rows);
-  const int groups = samples.groups();
-  const auto all = [&]<int... k>(std::integer_sequence<int, k...>) __attribute__((always_inline)) {
-    (write_products<k * kFirsts, std::min(kFirsts, SaddleRows::kCount - k * kFirsts)>(rows, groups, product), ...);
-  };
-  all(std::make_integer_sequence<int, (SaddleRows::kCount + kFirsts - 1) / kFirsts>());
+  write_all_products<Values, kFirsts, kMost>(rows, samples.groups(), product);
 }
 
 void equations_anywhere(const SaddleSamples& samples, const Model& model, SaddleRows& rows, SaddleProduct& product) {
-  equations<Lanes, 1>(samples, model, rows, product);
+  equations<Lanes, 1, 6>(samples, model, rows, product);
 }
 
 #if defined(__x86_64__)
 [[gnu::target("avx2")]] void equations_avx2(const SaddleSamples& samples, const Model& model, SaddleRows& rows,
                                             SaddleProduct& product) {
-  equations<Lanes, 1>(samples, model, rows, product);
+  equations<Lanes, 1, 11>(samples, model, rows, product);
 }
 [[gnu::target("avx512f,avx512vl,avx512dq")]] void equations_avx512(const SaddleSamples& samples, const Model& model,
                                                                    SaddleRows& rows, SaddleProduct& product) {
-  equations<Pair, 2>(samples, model, rows, product);
+  equations<Pair, 2, 6>(samples, model, rows, product);
 }
 const bool kAvx2 = __builtin_cpu_supports("avx2");
 const bool kAvx512 =
