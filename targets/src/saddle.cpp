@@ -62,7 +62,7 @@ RAYBUNDLE_TARGET_CLONES void take_samples(const cv::Mat& gray, const Eigen::Vect
       root_weight[i] = std::sqrt(inside ? weight : 0);
     }
     for (int i = 0; i < columns; ++i) {
-      samples.add(root_weight[i] > 0, at_x[i], at_y, row[i * shape.stride], root_weight[i]);
+      samples.add(at_x[i], at_y, row[i * shape.stride], root_weight[i]);
     }
   }
   samples.pad();
@@ -110,7 +110,7 @@ SectorSums sums_of(const SaddleSamples& samples, const Sectors& sectors) {
 RAYBUNDLE_TARGET_CLONES [[gnu::flatten]] void set_levels(const SaddleSamples& samples, SaddleVector& parameters) {
   const Edges edges(parameters);
   Sectors sectors;
-  for (int i = 0; i < samples.size; ++i) {
+  for (int i = 0, n = samples.padded(); i < n; ++i) {
     const float x = samples.x[i], y = samples.y[i];
     sectors.sector[i] = edges.beside_a(x, y) * edges.beside_b(x, y) < 0;
     sectors.weight[i] = samples.root_weight[i] * samples.root_weight[i];
@@ -156,7 +156,7 @@ RAYBUNDLE_TARGET_CLONES [[gnu::flatten]] double alternation(const SaddleSamples&
   const Eigen::Vector2f corner = parameters.head<2>().cast<float>();
   const float corner_x = corner.x(), corner_y = corner.y(), sharp = static_cast<float>(1 / margin_px);
   Sectors sectors;
-  for (int i = 0; i < samples.size; ++i) {
+  for (int i = 0, n = samples.padded(); i < n; ++i) {
     const float x = samples.x[i] - corner_x, y = samples.y[i] - corner_y;
     const float side_a = edges.beside_a(x, y), side_b = edges.beside_b(x, y);
     sectors.sector[i] = 2 * (side_a * side_b < 0) + (side_a < 0);

@@ -25,8 +25,9 @@ RAYBUNDLE_TARGET_CLONES void saddle_strength(const cv::Mat& blurred, cv::Mat& st
     const uchar* above = blurred.ptr<uchar>(y - 2);
     const uchar* here = blurred.ptr<uchar>(y);
     const uchar* below = blurred.ptr<uchar>(y + 2);
-    float* out = strength.ptr<float>(y);
-    for (int x = 2; x < blurred.cols - 2; ++x) {
+    float* __restrict out = strength.ptr<float>(y);
+    const int end = blurred.cols - 2;
+    for (int x = 2; x < end; ++x) {
       const auto xx = static_cast<float>(here[x - 2] + here[x + 2] - 2 * here[x]);
       const auto yy = static_cast<float>(above[x] + below[x] - 2 * here[x]);
       const auto xy4 = static_cast<float>(above[x - 2] + below[x + 2] - above[x + 2] - below[x - 2]);
@@ -39,7 +40,8 @@ RAYBUNDLE_TARGET_CLONES void saddle_strength(const cv::Mat& blurred, cv::Mat& st
 RAYBUNDLE_TARGET_CLONES void mark_high(const cv::Mat& strength, int y, float weakest, std::vector<std::uint8_t>& high) {
   const float *above = strength.ptr<float>(y - 1), *here = strength.ptr<float>(y), *below = strength.ptr<float>(y + 1);
   std::uint8_t* __restrict out = high.data();
-  for (int x = kMargin; x < strength.cols - kMargin; ++x) {
+  const int end = strength.cols - kMargin;
+  for (int x = kMargin; x < end; ++x) {
     out[x] = static_cast<std::uint8_t>((here[x] >= weakest) & (here[x] >= here[x - 1]) & (here[x] >= here[x + 1]) &
                                        (here[x] >= above[x]) & (here[x] >= below[x]));
   }

@@ -26,19 +26,18 @@ struct SaddleBends {
 struct SaddleSamples {
   static constexpr int kMost = 768;                 ///< whole pairs of groups; a window of 23x23 and its border fit
   static constexpr int kLanes = 8;                  ///< samples of a group
-  static constexpr int kRoom = kMost + 2 * kLanes;  ///< and one that add() does not keep
+  static constexpr int kRoom = kMost + 2 * kLanes;  ///< and one of no weight
   int size = 0;
   double weights = 0;                    ///< sum of all weights
   alignas(64) float x[kRoom], y[kRoom];  ///< [px] from the window's centre
   alignas(64) float grey[kRoom];         ///< grey values
   alignas(64) float root_weight[kRoom];  ///< square root of the sample's weight
 
-  /// Written in any case and overwritten by the next one where it is not kept: no branch to be foreseen.
-  void add(bool keep, float at_x, float at_y, float value, float root) {
-    keep = keep && size < kMost;
+  /// A sample of no weight is written, and overwritten by the next one: no branch to be foreseen.
+  void add(float at_x, float at_y, float value, float root) {
     x[size] = at_x, y[size] = at_y, grey[size] = value, root_weight[size] = root;
-    weights += keep ? root * root : 0;
-    size += keep;
+    weights += root * root;
+    size += static_cast<int>(root > 0) & static_cast<int>(size < kMost);
   }
   /// Fills the last pair of groups with samples of no weight.
   void pad();
