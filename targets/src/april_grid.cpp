@@ -202,21 +202,25 @@ std::map<int, Observation> grow(const Grid& grid, const std::vector<Marker>& mar
   }
   Found found;
   add_tags(grid, seeds, found);
+  drop_strays(grid, found.corners);
   for (int round = 0; round < 2; ++round) {
-    drop_strays(grid, found.corners);
+    const std::size_t corners = found.corners.size(), tags = found.tags.size();
     add_missing_corners(grid, found);
     add_tags(grid, map_of(grid, found.corners), found);
+    if (found.corners.size() == corners && found.tags.size() == tags) break;  // nor would another round
+    drop_strays(grid, found.corners);
   }
-  drop_strays(grid, found.corners);
   return found.corners;
 }
 
 // Whether the corners of tags meet black squares, as Kalibr prints them.
 bool has_corner_squares(const Grid& grid, const std::vector<Marker>& markers) {
   const MarkerLayout layout = grid.layout();
+  const double all = 4.0 * static_cast<double>(markers.size());
   int seen = 0;
   int saddles = 0;
   for (const Marker& marker : markers) {
+    if (saddles >= kFewestSquares * all) return true;  // whatever the others show
     MarkerMap map;
     for (int k = 0; k < 4; ++k) map.add(layout[marker.id][k], marker.corners[k], 1.0);
     for (const int id : grid.corner_ids(marker.id)) {
