@@ -3,6 +3,8 @@
 #include "cameras_alone.hpp"
 
 #include <algorithm>
+#include <deque>
+#include <exception>
 #include <iterator>
 #include <utility>
 
@@ -12,6 +14,7 @@
 #include "raybundle/calibrate/lens_domain.hpp"
 #include "raybundle/calibrate/lens_prior.hpp"
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/threads.hpp"
 #include "raybundle/initialize/camera_start.hpp"
 #include "robust_solve.hpp"
 #include "stopwatch.hpp"
@@ -21,11 +24,6 @@ namespace raybundle {
 namespace {
 
 constexpr int kMostWeighings = 4;  // of the prior, until the noise is that of the corners
-
-CameraStart start_of(const CalibrationProblem& single, std::vector<StageTime>& stages) {
-  const Stopwatch stopwatch(stages, "start");
-  return initialize_camera(single, 0);
-}
 
 // Replaces a lens that ends among its corners. Tells the coefficients that had to be given up, and adds them to the
 // problem's rules.
@@ -107,31 +105,67 @@ struct BorrowedCamera {
   }
 };
 
-void solve_camera_alone(CalibrationProblem& problem, int camera, const CalibrateOptions& options,
-                        std::vector<StageTime>& stages, CamerasAlone& alone) {
-  BorrowedCamera borrowed(problem, camera);
-  Subproblem& single = borrowed.single;
-  const CameraStart start = start_of(single.problem, stages);
-  const Stopwatch stopwatch(stages, "solve");
-  SolvedState solved = solve_from_best(start, single.problem, options);
-  win_back_views(single.problem, options, solved);
-  settle_lens_priors(single.problem, options, solved);
-  CameraOptimum optimum = leave_local_optima(single.problem, options, std::move(solved));
-  alone.given_up[camera] = keep_lens_beyond_corners(single.problem, options, optimum);
-  const auto& [state, reasons, summary] = optimum.solved;
-  alone.summaries[camera] = summary;
-  alone.sigmas[camera] = robust_sigmas(single.problem, state)[0];
-  std::ranges::copy(single.problem.lens_priors, std::back_inserter(alone.lens_priors));
-  if (problem.cameras.size() == 1) refuse_open_lens(single.problem, state, optimum.projection_sigma_px);
+/// A camera on its way through the stages, until one fails.
+struct LoneCamera {
+  BorrowedCamera borrowed;
+  CameraStart start = {};
+  CameraOptimum optimum = {};
+  std::vector<ParameterRule> given_up = {};
+  double sigma = 0.0;                                ///< as in CamerasAlone
+  std::vector<std::optional<Rigid3>> mirrored = {};  ///< aligned with its views
+  std::exception_ptr failure = {};
+
+  LoneCamera(CalibrationProblem& problem, int camera) : borrowed(problem, camera) {}
+  CalibrationProblem& problem() { return borrowed.single.problem; }
+};
+
+void solve(LoneCamera& camera, bool of_rig, const CalibrateOptions& options) {
+  CalibrationProblem& single = camera.problem();
+  SolvedState solved = solve_from_best(camera.start, single, options);
+  win_back_views(single, options, solved);
+  settle_lens_priors(single, options, solved);
+  camera.optimum = leave_local_optima(single, options, std::move(solved));
+  camera.given_up = keep_lens_beyond_corners(single, options, camera.optimum);
+  const BundleState& state = camera.optimum.solved.state;
+  camera.sigma = robust_sigmas(single, state)[0];
+  camera.mirrored.resize(single.views.size());
+  if (of_rig) camera.mirrored = mirrored_boards(single, state);
+}
+
+// One stage of all cameras. They know nothing of one another: so many threads are shared out among them.
+template <typename Work>
+void for_each_camera(std::deque<LoneCamera>& cameras, const CalibrateOptions& options, const Work& work) {
+  const int side_by_side = std::min(options.threads, static_cast<int>(cameras.size()));
+  CalibrateOptions of_one = options;
+  of_one.threads = options.threads / side_by_side;
+  for_each_index(cameras.size(), side_by_side, [&](std::size_t c) {
+    if (cameras[c].failure) return;
+    try {
+      work(cameras[c], of_one);
+    } catch (const Error&) {
+      cameras[c].failure = std::current_exception();
+    }
+  });
+}
+
+/// @throws Error where a stage failed
+void take_over(LoneCamera& lone, bool of_rig, CamerasAlone& alone) {
+  if (lone.failure) std::rethrow_exception(lone.failure);
+  const int camera = lone.borrowed.camera;
+  const auto& [state, reasons, summary] = lone.optimum.solved;
+  if (!of_rig) refuse_open_lens(lone.problem(), state, lone.optimum.projection_sigma_px);
   alone.cameras[camera] = state.cameras[0];
-  std::vector<std::optional<Rigid3>> mirrored(single.views.size());
-  if (problem.cameras.size() > 1) mirrored = mirrored_boards(single.problem, state);
-  for (std::size_t v = 0; v < single.views.size(); ++v) {
-    const int view = single.views[v];
+  alone.summaries[camera] = summary;
+  alone.sigmas[camera] = lone.sigma;
+  alone.given_up[camera] = std::move(lone.given_up);
+  std::ranges::copy(lone.problem().lens_priors, std::back_inserter(alone.lens_priors));
+  const std::vector<int>& views = lone.borrowed.single.views;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const int view = views[v];
     alone.reasons[view] = reasons[v];
     alone.fates[view] = state.fates[v];
     if (state.pose_of_view[v] >= 0) alone.camera_from_target[view] = state.poses[state.pose_of_view[v]].rig_from_target;
-    alone.mirrored[view] = mirrored[v];
+    alone.mirrored[view] = lone.mirrored[v];
   }
 }
 
@@ -150,12 +184,24 @@ CamerasAlone solve_cameras_alone(CalibrationProblem& problem, const CalibrateOpt
   alone.mirrored.resize(problem.views.size());
   alone.fates.resize(problem.views.size());
   alone.reasons.resize(problem.views.size());
-  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
+  const bool of_rig = problem.cameras.size() > 1;
+  std::deque<LoneCamera> cameras;
+  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) cameras.emplace_back(problem, c);
+  {
+    const Stopwatch stopwatch(stages, "start");
+    for_each_camera(cameras, options, [](LoneCamera& camera, const CalibrateOptions&) {
+      camera.start = initialize_camera(camera.problem(), 0);
+    });
+  }
+  const Stopwatch stopwatch(stages, "solve");
+  for_each_camera(cameras, options,
+                  [&](LoneCamera& camera, const CalibrateOptions& of_one) { solve(camera, of_rig, of_one); });
+  for (LoneCamera& camera : cameras) {
     try {
-      solve_camera_alone(problem, c, options, stages, alone);
+      take_over(camera, of_rig, alone);
     } catch (const Error& error) {  // one bad camera never costs a rig
-      if (error.kind() != ErrorKind::kNotEnoughData || problem.cameras.size() == 1) throw;
-      alone.why_not[c] = error.what();
+      if (error.kind() != ErrorKind::kNotEnoughData || !of_rig) throw;
+      alone.why_not[camera.borrowed.camera] = error.what();
     }
   }
   return alone;

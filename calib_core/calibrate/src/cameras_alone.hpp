@@ -29,9 +29,10 @@ struct CamerasAlone {
 
 /// Calibrates every camera alone: start without a focal guess, robust solve, a second chance for the views that did not
 /// fit, least squares without the outliers; of several starts the one that all corners fit best; then other optima and
-/// the views that were lost. A camera that cannot be calibrated costs only itself.
+/// the views that were lost. A camera that cannot be calibrated costs only itself. Cameras are calibrated side by side,
+/// on the threads that there are.
 ///
-/// @param problem  lends its views to one camera after the other, and has them all again in the end
+/// @param problem  lends its views to the cameras, and has them all again in the end
 /// @param stages   the times of `start` and `solve` are added
 /// @throws Error when the only camera cannot be calibrated
 CamerasAlone solve_cameras_alone(CalibrationProblem& problem, const CalibrateOptions& options,
