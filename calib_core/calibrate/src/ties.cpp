@@ -113,8 +113,8 @@ bool review_ties(const CalibrationProblem& problem, BundleState& state, const Ca
                  TieReview& review) {
   BundleState tied = with_all_ties(problem, state);
   solve_poses(problem, tied, options.threads);
-  const std::vector<TieCheck> checks =
-      check_ties(problem, tied.cameras, tied.camera_from_rig, tied.shapes, tied.poses, tied.pose_of_view);
+  const std::vector<TieCheck> checks = check_ties(problem, tied.cameras, tied.camera_from_rig, tied.shapes, tied.poses,
+                                                  tied.pose_of_view, options.threads);
   review.untied = views_out_of_sight(problem, tied);
   review.doubtful = review.strict = false;
   review.typical_px = 0.0;

@@ -7,13 +7,17 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <utility>
 
+#include "raybundle/geometry/threads.hpp"
 #include "view_pose.hpp"
 
 namespace raybundle {
 namespace {
 
-constexpr double kNear_px = 3.0;  ///< a corner fits its view's own pose within this
+constexpr double kNear_px = 3.0;   ///< a corner fits its view's own pose within this
+constexpr int kFewestCorners = 8;  ///< of a board's views
 
 /// Squared distances of one view's right corners, tied and with a pose of its own.
 struct ViewFit {
@@ -67,47 +71,71 @@ std::vector<Target> bent(std::vector<Target> boards, const std::vector<BoardShap
   return boards;
 }
 
+/// How the views of one board in one frame fit.
+struct FrameFit {
+  TieCheck check;
+  double lost_px2 = 0.0;      ///< by the tie, per degree of freedom
+  double variance_px2 = 0.0;  ///< of corners around the views' own poses
+};
+
+// Joins the fits of a board's views; nothing where they have too few corners.
+std::optional<FrameFit> joined(const CalibrationProblem& problem, int pose, const std::vector<int>& views,
+                               const std::vector<ViewFit>& fits) {
+  ViewFit all;
+  std::string names;
+  std::vector<Rigid3> own;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    all.tied_px2 += fits[i].tied_px2;
+    all.own_px2 += fits[i].own_px2;
+    all.corners += fits[i].corners;
+    own.push_back(fits[i].own);
+    const std::string& name = problem.cameras[problem.views[views[i]].camera].name;
+    names += (i == 0 ? "" : i + 1 == views.size() ? " and " : ", ") + name;
+  }
+  if (all.corners < kFewestCorners) return std::nullopt;
+  TieCheck check{pose, views, own, std::sqrt(all.tied_px2 / all.corners), std::sqrt(all.own_px2 / all.corners),
+                 0.0,  {}};
+  check.reason =
+      fmt::format("{} fit to {:.2f} px together but to {:.2f} px apart", names, check.tied_rms_px, check.own_rms_px);
+  const auto count = static_cast<double>(views.size());
+  const double freedom = 2.0 * all.corners - 6.0 * count;
+  return FrameFit{std::move(check), std::max(0.0, all.tied_px2 - all.own_px2) / (6.0 * (count - 1.0)),
+                  all.own_px2 / std::max(1.0, freedom)};
+}
+
 }  // namespace
 
 std::vector<TieCheck> check_ties(const CalibrationProblem& problem, const std::vector<Camera>& cameras,
                                  const std::vector<Rigid3>& camera_from_rig, const std::vector<BoardShape>& shapes,
-                                 const std::vector<BoardPose>& poses, const std::vector<int>& pose_of_view) {
+                                 const std::vector<BoardPose>& poses, const std::vector<int>& pose_of_view,
+                                 int threads) {
   const std::vector<Target> boards = bent(problem.targets, shapes);
   std::map<int, std::vector<int>> views_of_pose;
   for (std::size_t v = 0; v < problem.views.size(); ++v) {
     if (pose_of_view[v] >= 0) views_of_pose[pose_of_view[v]].push_back(static_cast<int>(v));
   }
-  std::vector<TieCheck> checks;
-  std::vector<double> lost_px2;  // by the tie, per degree of freedom
-  std::vector<double> variances_px2;
-  for (const auto& [pose, views] : views_of_pose) {
-    if (views.size() < 2) continue;
-    ViewFit all;
-    std::string names;
-    std::vector<Rigid3> own;
+  std::erase_if(views_of_pose, [](const auto& shared) { return shared.second.size() < 2; });
+  const std::vector<std::pair<int, std::vector<int>>> shared(views_of_pose.begin(), views_of_pose.end());
+  std::vector<std::optional<FrameFit>> frames(shared.size());
+  for_each_index(shared.size(), threads, [&](std::size_t f) {
+    const auto& [pose, views] = shared[f];
+    std::vector<ViewFit> fits;
     for (const int v : views) {
       const TargetView& view = problem.views[v];
       const Rigid3 tied = camera_from_rig[view.camera] * poses[pose].rig_from_target;
-      const PointsInView corners = points_in_view(boards[view.target], view);
-      const ViewFit fit = fit_of(corners, cameras[view.camera], tied);
-      all.tied_px2 += fit.tied_px2;
-      all.own_px2 += fit.own_px2;
-      all.corners += fit.corners;
-      own.push_back(fit.own);
-      names += (names.empty() ? "" : v == views.back() ? " and " : ", ") + problem.cameras[view.camera].name;
+      fits.push_back(fit_of(points_in_view(boards[view.target], view), cameras[view.camera], tied));
     }
-    if (all.corners < 8) continue;
-    TieCheck check{pose, views, own, std::sqrt(all.tied_px2 / all.corners), std::sqrt(all.own_px2 / all.corners),
-                   0.0,  {}};
-    check.reason =
-        fmt::format("{} fit to {:.2f} px together but to {:.2f} px apart", names, check.tied_rms_px, check.own_rms_px);
-    checks.push_back(check);
-    lost_px2.push_back(std::max(0.0, all.tied_px2 - all.own_px2) / (6.0 * static_cast<double>(views.size() - 1)));
-    const double freedom = 2.0 * all.corners - 6.0 * static_cast<double>(views.size());
-    variances_px2.push_back(all.own_px2 / std::max(1.0, freedom));
-  }
+    frames[f] = joined(problem, pose, views, fits);
+  });
+  std::erase(frames, std::nullopt);
+  std::vector<double> variances_px2;
+  for (const auto& frame : frames) variances_px2.push_back(frame->variance_px2);
   const double variance_px2 = std::max(median(variances_px2), 1e-8);
-  for (std::size_t i = 0; i < checks.size(); ++i) checks[i].excess = std::sqrt(lost_px2[i] / variance_px2);
+  std::vector<TieCheck> checks;
+  for (auto& frame : frames) {
+    frame->check.excess = std::sqrt(frame->lost_px2 / variance_px2);
+    checks.push_back(std::move(frame->check));
+  }
   return checks;
 }
 

@@ -29,6 +29,7 @@ struct TieCheck {
 /// @param pose_of_view              aligned with problem.views; -1: not used
 std::vector<TieCheck> check_ties(const CalibrationProblem& problem, const std::vector<Camera>& cameras,
                                  const std::vector<Rigid3>& camera_from_rig, const std::vector<BoardShape>& shapes,
-                                 const std::vector<BoardPose>& poses, const std::vector<int>& pose_of_view);
+                                 const std::vector<BoardPose>& poses, const std::vector<int>& pose_of_view,
+                                 int threads = 1);
 
 }  // namespace raybundle
