@@ -139,12 +139,13 @@ double chi2_in_common(const CalibrationProblem& problem, const BundleState& stat
   return chi2;
 }
 
-constexpr double kSmallestGain = 0.02;  // in the sum of squares, of a bent board
+constexpr double kSmallestGain = 0.02;    // in the sum of squares, of a bent board
+constexpr std::size_t kTellShape = 6000;  // corners: so many tell whether a bend may pay
 
 // Whether bending the boards could lower the squared residuals enough: from a flat optimum a Gauss-Newton step brings
 // nearly all of a small bend's gain and most of a large one's.
 bool shape_may_pay(const CalibrationProblem& problem, const BundleState& flat, const CalibrateOptions& options) {
-  BundleState bent = flat;
+  BundleState bent = with_fewer_views(flat, kTellShape);
   BundleOptions bundle = bundle_options(options);
   bundle.max_iterations = 1;
   bundle.estimate_shape = true;

@@ -57,6 +57,13 @@ std::vector<Mirrored> mirrored_of(const CalibrationProblem& single, const Bundle
   return found;
 }
 
+// Aligned with the views.
+std::vector<std::optional<Rigid3>> of_views(const CalibrationProblem& single, const std::vector<Mirrored>& mirrored) {
+  std::vector<std::optional<Rigid3>> camera_from_target(single.views.size());
+  for (const Mirrored& board : mirrored) camera_from_target[board.view] = board.camera_from_target;
+  return camera_from_target;
+}
+
 bool turn_mirrored_boards(BundleState& state, const std::vector<Mirrored>& mirrored) {
   bool turned = false;
   for (const Mirrored& board : mirrored) {
@@ -197,10 +204,8 @@ std::vector<Eigen::Vector3d> rays_seen(const CalibrationProblem& single, const B
   return some;
 }
 
-std::vector<std::optional<Rigid3>> mirrored_boards(const CalibrationProblem& single, const BundleState& state) {
-  std::vector<std::optional<Rigid3>> camera_from_target(single.views.size());
-  for (const Mirrored& board : mirrored_of(single, state)) camera_from_target[board.view] = board.camera_from_target;
-  return camera_from_target;
+std::vector<std::optional<Rigid3>> mirrored_boards(const CalibrationProblem& single, const CameraOptimum& optimum) {
+  return optimum.mirrored ? *optimum.mirrored : of_views(single, mirrored_of(single, optimum.solved.state));
 }
 
 CameraOptimum leave_local_optima(const CalibrationProblem& single, const CalibrateOptions& options,
@@ -209,19 +214,21 @@ CameraOptimum leave_local_optima(const CalibrationProblem& single, const Calibra
   SolvedState& here = optimum.solved;
   const auto failed = [&] { return here.summary.termination == Termination::kFailed; };
   if (failed()) return optimum;
+  std::optional<std::vector<Mirrored>> mirrored;  // of the state as it is
   const auto solve_on = [&](const BundleSummary& so_far) {
+    mirrored.reset();
     here.summary = solve_without_outliers(single, here.state, options, false, here.reasons, so_far);
   };
   const auto turn_boards = [&] {
-    std::vector<Mirrored> mirrored = mirrored_of(single, here.state);
-    if (turn_mirrored_boards(here.state, mirrored)) {
+    mirrored = mirrored_of(single, here.state);
+    if (turn_mirrored_boards(here.state, *mirrored)) {
       solve_on({});
       if (failed()) return;
       mirrored = mirrored_of(single, here.state);
     }
     // The camera that one board had bent may have kept another one from turning.
     for (int round = 0; round < kRounds && !failed(); ++round) {
-      if (!try_mirrored_boards(single, mirrored, options, here)) return;
+      if (!try_mirrored_boards(single, *mirrored, options, here)) return;
       solve_on(here.summary);
       if (!failed()) mirrored = mirrored_of(single, here.state);
     }
@@ -244,9 +251,11 @@ CameraOptimum leave_local_optima(const CalibrationProblem& single, const Calibra
   descend();
   for (int round = 0; round < kRounds && !failed(); ++round) {
     if (!choose_corners_again(single, options, here)) break;
+    mirrored.reset();
     if (!failed()) turn_boards();  // with other corners a board may be held otherwise
     descend();
   }
+  if (mirrored) optimum.mirrored = of_views(single, *mirrored);
   return optimum;
 }
 

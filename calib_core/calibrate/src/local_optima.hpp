@@ -15,6 +15,8 @@ struct CameraOptimum {
   /// projection_sigma_px() of the state, or more where lenses that fit as well project otherwise; NaN when the solve
   /// failed.
   double projection_sigma_px = 0.0;
+  /// What mirrored_boards() gives, where the way here has told it.
+  std::optional<std::vector<std::optional<Rigid3>>> mirrored = {};
 };
 
 /// Leaves the optima of a solved camera that lie beside the right one: boards held by their mirrored pose, lenses whose
@@ -30,8 +32,9 @@ std::vector<Eigen::Vector3d> rays_seen(const CalibrationProblem& single, const B
 
 /// The poses from which the boards look nearly the same to their camera; other cameras of a rig may know better.
 ///
-/// @param single  a problem with one camera, solved
-/// @return        aligned with problem.views; empty where the pixels tell
-std::vector<std::optional<Rigid3>> mirrored_boards(const CalibrationProblem& single, const BundleState& state);
+/// @param single   a problem with one camera
+/// @param optimum  of leave_local_optima()
+/// @return         aligned with problem.views; empty where the pixels tell
+std::vector<std::optional<Rigid3>> mirrored_boards(const CalibrationProblem& single, const CameraOptimum& optimum);
 
 }  // namespace raybundle

@@ -6,30 +6,17 @@
 #include <utility>
 
 #include "raybundle/calibrate/lens_domain.hpp"
+#include "subproblem.hpp"
 
 namespace raybundle {
 namespace {
 
-constexpr double kLower = 1e-7;        // relative: by which another optimum's cost must be lower
-constexpr double kPromising = 1.01;    // times the cost, after the first look
-constexpr int kFirstLook = 30;         // iterations
-constexpr std::size_t kFollowed = 2;   // solves that are followed to their end
-constexpr std::size_t kBudget = 6000;  // corners that decide whether there is a lower optimum
-
-// The state with every so many views only, so that the corners stay within a budget.
-BundleState with_fewer_views(const BundleState& state) {
-  std::size_t corners = 0;
-  for (std::size_t v = 0; v < state.fates.size(); ++v) {
-    if (state.pose_of_view[v] >= 0) corners += state.fates[v].size();
-  }
-  const std::size_t stride = (corners + kBudget - 1) / kBudget;
-  BundleState fewer = state;
-  std::size_t used = 0;
-  for (int& pose : fewer.pose_of_view) {
-    if (pose >= 0 && used++ % stride != 0) pose = -1;
-  }
-  return fewer;
-}
+constexpr double kLower = 1e-7;         // relative: by which another optimum's cost must be lower
+constexpr double kPromising = 1.01;     // times the cost, after the first look
+constexpr int kFirstLook = 30;          // iterations
+constexpr double kFirstSettled = 1e-9;  // relative: to gain, far below kLower
+constexpr std::size_t kFollowed = 2;    // solves that are followed to their end
+constexpr std::size_t kBudget = 6000;   // corners that decide whether there is a lower optimum
 
 /// Another optimum, or a place on the way to one.
 struct OtherSolve {
@@ -46,11 +33,12 @@ std::vector<CostedState> with_cameras(const BundleState& state, const std::vecto
   return states;
 }
 
-// Solves on from other states: all of them for some steps, then the lowest that have not come to rest. Those that are
-// lower than where the state was, the lowest first.
+// Solves on from other states: all of them for some steps, or until what is left to gain does not count, then the lowest
+// to their end. Those that are lower than where the state was, the lowest first.
 std::vector<OtherSolve> lower_optima(const CalibrationProblem& single, const BundleState& state, double cost,
                                      std::vector<CostedState>& others, BundleOptions bundle) {
   const int most_iterations = bundle.max_iterations;
+  const double settled = std::exchange(bundle.settled, kFirstSettled);
   bundle.max_iterations = std::min(most_iterations, kFirstLook);
   const auto by_cost = [](const OtherSolve& solve) { return solve.summary.final_cost; };
   std::vector<OtherSolve> solves;
@@ -68,11 +56,8 @@ std::vector<OtherSolve> lower_optima(const CalibrationProblem& single, const Bun
   std::ranges::stable_sort(solves, {}, by_cost);
   if (solves.size() > kFollowed) solves.resize(kFollowed);
   bundle.max_iterations = most_iterations;
-  for (OtherSolve& other : solves) {
-    if (other.summary.termination == Termination::kIterationLimit) {
-      other.summary = solve_bundle(single, other.state, bundle);
-    }
-  }
+  bundle.settled = settled;
+  for (OtherSolve& other : solves) other.summary = solve_bundle(single, other.state, bundle);
   std::erase_if(solves, [&](const OtherSolve& other) {
     return other.summary.termination == Termination::kFailed || !(other.summary.final_cost < (1.0 - kLower) * cost) ||
            spoils_lens(single, state, other.state);
@@ -95,7 +80,7 @@ bool move_to_lower(const CalibrationProblem& single, const std::vector<Camera>& 
                    SolvedState& solved) {
   if (others.empty()) return false;
   const BundleOptions bundle = bundle_options(options);
-  BundleState fewer = with_fewer_views(solved.state);
+  BundleState fewer = with_fewer_views(solved.state, kBudget);
   const bool all = fewer.pose_of_view == solved.state.pose_of_view;
   const double cost = all ? solved.summary.final_cost : solve_bundle(single, fewer, bundle).final_cost;
   std::vector<CostedState> starts = with_cameras(fewer, others);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -99,6 +100,20 @@ void scale_corners(CalibrationProblem& problem, double scale) {
   for (ParameterRule& rule : problem.rules) {
     if (rule.kind == ParameterRule::Kind::kPrior) rule.sigma *= most;
   }
+}
+
+BundleState with_fewer_views(const BundleState& state, std::size_t corners) {
+  std::size_t all = 0;
+  for (std::size_t v = 0; v < state.fates.size(); ++v) {
+    if (state.pose_of_view[v] >= 0) all += state.fates[v].size();
+  }
+  const std::size_t stride = std::max<std::size_t>(1, (all + corners - 1) / corners);
+  std::map<int, std::size_t> rank;  // of a pose, by its first view
+  BundleState fewer = state;
+  for (int& pose : fewer.pose_of_view) {
+    if (pose >= 0 && rank.try_emplace(pose, rank.size()).first->second % stride != 0) pose = -1;
+  }
+  return fewer;
 }
 
 BundleState state_from_start(const CalibrationProblem& single, const CameraStart& start) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "raybundle/bundle/bundle.hpp"
@@ -42,6 +43,9 @@ void relabel(CalibrationProblem& problem, const std::vector<int>& symmetry_of_vi
 /// Multiplies the sigma of every corner, and of every prior, so that it weighs against them as before; exact data keep
 /// one that rounding does not exceed.
 void scale_corners(CalibrationProblem& problem, double scale);
+
+/// The state with every so many boards only, with all views of them, so that it has about so many corners.
+BundleState with_fewer_views(const BundleState& state, std::size_t corners);
 
 /// Start state of a problem with one camera.
 BundleState state_from_start(const CalibrationProblem& single, const CameraStart& start);

@@ -215,6 +215,15 @@ void refuse_boards_of_one_name(const CalibrationProblem& problem) {
   }
 }
 
+void refuse_repeated_points(const TargetView& view, const std::string& where) {
+  std::vector<int> ids;
+  ids.reserve(view.observations.size());
+  for (const Observation& observation : view.observations) ids.push_back(observation.point_id);
+  std::ranges::sort(ids);
+  const auto repeated = std::ranges::adjacent_find(ids);
+  if (repeated != ids.end()) refuse("point " + std::to_string(*repeated) + " is observed twice", where);
+}
+
 }  // namespace
 
 std::string view_name(const CalibrationProblem& problem, const TargetView& view) {
@@ -251,13 +260,10 @@ void check(const CalibrationProblem& problem) {
     }
     const std::string where = view_name(problem, view);
     if (!seen.insert({view.camera, view.frame, view.target}).second) refuse("the view is given twice", where);
-    std::set<int> ids;
     for (const Observation& observation : view.observations) {
       check_observation(observation, problem.targets[view.target], problem.cameras[view.camera].size, where);
-      if (!ids.insert(observation.point_id).second) {
-        refuse("point " + std::to_string(observation.point_id) + " is observed twice", where);
-      }
     }
+    refuse_repeated_points(view, where);
     check_dots(view, problem.laser, where);
   }
   for (const ParameterRule& rule : problem.rules) {
