@@ -7,6 +7,7 @@
 
 #include "lens_bundle.hpp"
 #include "model_fit.hpp"
+#include "raybundle/geometry/gram.hpp"
 #include "raybundle/geometry/rotation.hpp"
 #include "raybundle/initialize/other_optima.hpp"
 
@@ -35,24 +36,29 @@ struct Difference {
 };
 
 std::optional<Difference> difference(const LensFunctions& lens, const PointsInView& field, const Place& place) {
+  thread_local Eigen::MatrixXd rows, products;  // by lens, turn and error
   const int n = lens.parameters;
-  Difference found{0.0, Eigen::MatrixXd::Zero(n + 3, n + 3), Eigen::VectorXd::Zero(n + 3)};
+  const auto values = static_cast<Eigen::Index>(2 * field.points.size());
+  rows.setZero((values + 3) / 4 * 4, n + 4);
   Eigen::Vector2d pixel;
   Eigen::Matrix<double, 2, 3, Eigen::RowMajor> wrt_ray;
-  Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::RowMajor> row(2, n + 3);
   double wrt_parameters[2 * kMaxLensParameters];
-  double sum = 0.0;
   for (std::size_t i = 0; i < field.points.size(); ++i) {
     const Eigen::Vector3d ray = place.turn * field.points[i];
     if (!lens.project_with_jacobians(place.lens.data(), ray, pixel, wrt_ray, wrt_parameters)) return std::nullopt;
-    row.leftCols(n) = Eigen::Map<Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::RowMajor>>(wrt_parameters, 2, n);
-    row.rightCols<3>() = -wrt_ray * skew(ray);
-    const Eigen::Vector2d off = pixel - field.pixels[i];
-    found.normal.noalias() += row.transpose() * row;
-    found.right.noalias() -= row.transpose() * off;
-    sum += off.squaredNorm();
+    const Eigen::Matrix<double, 2, 3> wrt_turn = -wrt_ray * skew(ray);
+    for (int axis = 0; axis < 2; ++axis) {
+      auto row = rows.row(static_cast<Eigen::Index>(2 * i) + axis);
+      for (int k = 0; k < n; ++k) row[k] = wrt_parameters[axis * n + k];
+      for (int k = 0; k < 3; ++k) row[n + k] = wrt_turn(axis, k);
+      row[n + 3] = pixel[axis] - field.pixels[i][axis];
+    }
   }
-  found.rms_px = std::sqrt(sum / static_cast<double>(field.points.size()));
+  gram(rows, products);
+  Difference found;
+  found.normal = products.topLeftCorner(n + 3, n + 3).selfadjointView<Eigen::Upper>();
+  found.right = -products.col(n + 3).head(n + 3);
+  found.rms_px = std::sqrt(products(n + 3, n + 3) / static_cast<double>(field.points.size()));
   return std::isfinite(found.rms_px) ? std::optional(found) : std::nullopt;
 }
 
