@@ -56,12 +56,29 @@ CalibrationProblem with_lens_prior(const RandomRig& rig, const BundleState& stat
   return problem;
 }
 
+/// The rig's problem with the priors of an answer; those of coefficients that it gave up, which are in force for a lens
+/// that has them, stand with the others.
+CalibrationProblem with_priors_of(const RandomRig& rig, const BundleState& answer,
+                                  const std::vector<ParameterRule>& in_force) {
+  CalibrationProblem problem = with_lens_prior(rig, answer);
+  for (ParameterRule& prior : problem.lens_priors) {
+    const auto known = std::ranges::find(in_force, prior.pattern, &ParameterRule::pattern);
+    if (known != in_force.end()) prior = *known;
+  }
+  return problem;
+}
+
 /// Where a solve ends that starts from the truth. Lenses that end among their corners are left as calibrate() leaves
 /// them.
 Optimum optimum_from_truth(const CalibrationProblem& with_prior, const BundleState& start,
                            bool estimate_shape = false) {
   Optimum optimum{with_prior, start, {}};
+  // Giving up coefficients begins with a lens that may not project all corners, and leaves those out: an optimum of
+  // fewer corners is lower and proves nothing.
   const auto solve = [&](const CalibrationProblem& problem, BundleState& state) {
+    const BundleSummary summary = solve_to_the_end(problem, state, estimate_shape);
+    if (state.fates == start.fates) return summary;
+    state.fates = start.fates;
     return solve_to_the_end(problem, state, estimate_shape);
   };
   optimum.summary = solve(optimum.problem, optimum.state);
@@ -207,8 +224,7 @@ Judgement judge_start(const RandomRig& rig, const TruthStart& truth) {
     const CalibrationResult result = calibrate(rig.problem, options);
     judgement.seconds = processor_seconds() - begin;
     const BundleState answer = state_of(result);
-    CalibrationProblem with_prior = rig.problem;
-    with_prior.lens_priors = result.lens_priors;
+    const CalibrationProblem with_prior = with_priors_of(rig, answer, result.lens_priors);
     const double cost = cost_of(with_prior, answer);
     const Optimum truths = truth_with_corners_of(rig, with_prior, answer);
     const double from_truth = truths.summary.final_cost;
