@@ -25,6 +25,22 @@ namespace {
 
 constexpr int kMostWeighings = 4;  // of the prior, until the noise is that of the corners
 
+// Frees coefficients again that were given up, in the problem and in the optimum, where the lens that then fits better
+// does not end among its corners: since they were given up, the lens has moved, and other corners may have come into use.
+void take_back_coefficients(CalibrationProblem& single, std::size_t own_rules, const CalibrateOptions& options,
+                            CameraOptimum& optimum) {
+  for (CalibrationProblem fuller = single; fuller.rules.size() > own_rules;) {
+    fuller.rules.pop_back();
+    SolvedState solved = optimum.solved;
+    solved.summary = solve_without_outliers(fuller, solved.state, options, false, solved.reasons);
+    if (solved.summary.termination == Termination::kFailed || ends_among_corners(fuller, solved.state, 0)) continue;
+    const bool same_corners = solved.state.fates == optimum.solved.state.fates;  // then its cost is lower
+    if (!same_corners && !is_better(fuller, solved, optimum.solved, options)) continue;
+    optimum = leave_local_optima(fuller, options, std::move(solved));
+    single = fuller;
+  }
+}
+
 // Replaces a lens that ends among its corners. Tells the coefficients that had to be given up, and adds them to the
 // problem's rules.
 std::vector<ParameterRule> keep_lens_beyond_corners(CalibrationProblem& single, const CalibrateOptions& options,
@@ -37,19 +53,19 @@ std::vector<ParameterRule> keep_lens_beyond_corners(CalibrationProblem& single, 
   if (!ends_among_corners(single, solved.state, 0)) return {};
   CalibrationProblem simpler = single;
   if (!give_up_coefficients(simpler, solved.state, 0, solved.summary, solve)) return {};
-  std::vector<ParameterRule> given_up(simpler.rules.begin() + static_cast<std::ptrdiff_t>(single.rules.size()),
-                                      simpler.rules.end());
+  const std::size_t own_rules = single.rules.size();
   // The lens that was replaced may have cost views.
   if (give_second_chance(simpler, solved.state, options, solved.reasons)) solved.summary = solve(simpler, solved.state);
   // With all coefficients there may be such a lens farther away, and a better one.
   CameraOptimum fuller = leave_local_optima(single, options, solved);
-  if (given_up.empty() || is_better(single, fuller.solved, solved, options)) {
+  if (simpler.rules.size() == own_rules || is_better(single, fuller.solved, solved, options)) {
     optimum = std::move(fuller);
     return {};
   }
   single = std::move(simpler);
   optimum = leave_local_optima(single, options, std::move(solved));
-  return given_up;
+  take_back_coefficients(single, own_rules, options, optimum);
+  return {single.rules.begin() + static_cast<std::ptrdiff_t>(own_rules), single.rules.end()};
 }
 
 // Solves without outliers until the lens priors are those of the noise and the field that are left.

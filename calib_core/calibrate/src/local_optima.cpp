@@ -110,11 +110,17 @@ bool try_mirrored_boards(const CalibrationProblem& single, std::vector<Mirrored>
 }
 
 // Other cameras that put rays where the state's does, as near as the corners can tell: twins of the model, and along
-// the valleys that begin here and there.
-std::vector<Camera> cameras_alike(const CalibrationProblem& single, const BundleState& state, double sigma_px) {
+// the valleys that begin here and there. Where a solve has run against the end of its model's domain, the optimum may lie
+// beyond it, and the way there leads around: also the lens that is fitted to the corners from the model's own starts.
+std::vector<Camera> cameras_alike(const CalibrationProblem& single, const SolvedState& solved, double sigma_px) {
+  const BundleState& state = solved.state;
   const std::vector<Eigen::Vector3d> rays = rays_seen(single, state);
   const double alike_px = std::clamp(kAlikeSigmas * sigma_px, kLeastAlike_px, kMostAlike_px);
   std::vector<Camera> alike = twin_cameras(state.cameras[0], rays, alike_px);
+  if (solved.summary.termination == Termination::kBlocked) {
+    const CameraCorners corners = used_corners(single, state, 0);
+    alike.push_back(fitted_anew(state.cameras[0], corners.rays, corners.pixels, {}));
+  }
   std::vector<Camera> starts{state.cameras[0]};
   if (!alike.empty()) starts.push_back(alike.front());
   for (const Camera& start : starts) {
@@ -154,7 +160,7 @@ bool move_to_lower_by(const Move& move, const CalibrationProblem& single, const 
 // it is lower: by more than noise makes it where it leaves open a lens that was not and that projects nearly alike.
 bool move_to_lower_alike(const CalibrationProblem& single, const CalibrateOptions& options, CameraOptimum& optimum) {
   const auto move = [&](SolvedState& solved) {
-    const std::vector<Camera> alike = cameras_alike(single, solved.state, optimum.projection_sigma_px);
+    const std::vector<Camera> alike = cameras_alike(single, solved, optimum.projection_sigma_px);
     return move_to_lower(single, alike, options, solved);
   };
   return move_to_lower_by(move, single, options, optimum);

@@ -57,13 +57,17 @@ CalibrationProblem with_lens_prior(const RandomRig& rig, const BundleState& stat
 }
 
 /// The rig's problem with the priors of an answer; those of coefficients that it gave up, which are in force for a lens
-/// that has them, stand with the others.
+/// that has them, stand with the others. k4 to k6 have the priors of k1 to k3.
 CalibrationProblem with_priors_of(const RandomRig& rig, const BundleState& answer,
                                   const std::vector<ParameterRule>& in_force) {
   CalibrationProblem problem = with_lens_prior(rig, answer);
   for (ParameterRule& prior : problem.lens_priors) {
-    const auto known = std::ranges::find(in_force, prior.pattern, &ParameterRule::pattern);
-    if (known != in_force.end()) prior = *known;
+    std::string alike = prior.pattern;
+    if (alike.back() >= '4' && alike.back() <= '6') alike.back() = static_cast<char>(alike.back() - 3);
+    for (const std::string& name : {alike, prior.pattern}) {
+      const auto known = std::ranges::find(in_force, name, &ParameterRule::pattern);
+      if (known != in_force.end()) prior.sigma = known->sigma;
+    }
   }
   return problem;
 }
@@ -154,6 +158,31 @@ Optimum truth_with_corners_of(const RandomRig& rig, const CalibrationProblem& wi
   return optimum_from_truth(with_prior, state, bent(answer.shapes[0]));
 }
 
+/// Squared distances [sigmas] of all corners, each cut off at the limit of outliers.
+double squares_cut_off(const RandomRig& rig, const BundleState& state) {
+  constexpr double kLimit = 5.0;
+  double sum = 0.0;
+  for (std::size_t v = 0; v < rig.problem.views.size(); ++v) {
+    const std::vector<Eigen::Vector2d> residuals = view_residuals(rig.problem, state, static_cast<int>(v));
+    for (std::size_t i = 0; i < residuals.size(); ++i) {
+      const double distance = residuals[i].norm() / rig.problem.views[v].observations[i].sigma_px;
+      sum += std::pow(distance < kLimit ? distance : kLimit, 2);  // also where nothing projects
+    }
+  }
+  return sum;
+}
+
+/// Whether the corners themselves speak for an answer that leaves right ones out: among few, wrong ones may agree with
+/// some right ones better than the right ones agree with each other. As many must be in use as are right.
+bool corners_prefer(const RandomRig& rig, const TruthStart& truth, const BundleState& answer) {
+  const auto used = [](const BundleState& state) {
+    std::ptrdiff_t count = 0;
+    for (const auto& fates : state.fates) count += std::ranges::count(fates, ObservationFate::kUsed);
+    return count;
+  };
+  return used(answer) >= used(rig.truth) && squares_cut_off(rig, answer) <= squares_cut_off(rig, truth.optimum);
+}
+
 double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 }  // namespace
@@ -231,7 +260,8 @@ Judgement judge_start(const RandomRig& rig, const TruthStart& truth) {
     const double kept = right_kept(rig, answer);
     judgement.error_sigmas = projection_error_px(rig, answer.cameras[0]) / truth.projection_sigma_px;
     const bool proper = !ends_among_corners(rig.problem, answer, 0) || ends_among_corners(rig.problem, truths.state, 0);
-    const bool reached = cost <= from_truth * (1.0 + kSameCost) + 1e-9 && kept >= kFewestRightKept && proper;
+    const bool right_corners = kept >= kFewestRightKept || corners_prefer(rig, truth, answer);
+    const bool reached = cost <= from_truth * (1.0 + kSameCost) + 1e-9 && right_corners && proper;
     if (!reached) judgement.verdict = truth.determined ? Verdict::kElsewhere : Verdict::kUndeterminedAnswer;
     judgement.why = fmt::format(
         "cost {:.8g}, from the truth {:.8g}, {:.1f} % of the right corners used, off the truth by {:.1f} sigma{}", cost,
