@@ -96,6 +96,32 @@ bool give_up_until_beyond(const BundleState& state, int camera, const std::vecto
   return false;
 }
 
+// Root mean square of a camera's corners in use [sigmas].
+double rms_sigmas(const CalibrationProblem& problem, const BundleState& state, int camera) {
+  double squares = 0.0, corners = 0.0;
+  const std::vector<std::vector<Eigen::Vector2d>> residuals = all_residuals(problem, state);
+  for (std::size_t v = 0; v < problem.views.size(); ++v) {
+    if (problem.views[v].camera != camera) continue;
+    for (std::size_t i = 0; i < residuals[v].size(); ++i) {
+      if (state.fates[v][i] != ObservationFate::kUsed) continue;
+      squares += residuals[v][i].squaredNorm() / std::pow(problem.views[v].observations[i].sigma_px, 2);
+      corners += 1.0;
+    }
+  }
+  return std::sqrt(squares / std::max(corners, 1.0));
+}
+
+// Whether the simpler lens fits plainly worse. Of the same corners their sum tells it, more surely than the median does
+// of few.
+bool plainly_worse(const CalibrationProblem& problem, const BundleState& state, int camera, const Simpler& simpler) {
+  const bool same_corners = simpler.state.fates == state.fates;
+  const auto noise = [&](const CalibrationProblem& of, const BundleState& at) {
+    return same_corners ? rms_sigmas(of, at, camera) : robust_sigmas(of, at)[camera];
+  };
+  const double before = std::max(noise(problem, state), kExactNoise);
+  return !(noise(simpler.problem, simpler.state) <= kPlainlyWorse * before);
+}
+
 }  // namespace
 
 bool can_have_pole(ModelId model) {
@@ -121,8 +147,7 @@ bool give_up_coefficients(CalibrationProblem& problem, BundleState& state, int c
   if (coefficients.empty() || !ends_among_corners(problem, state, camera)) return false;
   Simpler simpler{problem, {}, {}};
   if (!give_up_until_beyond(state, camera, coefficients, solve, simpler)) return false;
-  const double noise = std::max(robust_sigmas(problem, state)[camera], kExactNoise);
-  if (!(robust_sigmas(simpler.problem, simpler.state)[camera] <= kPlainlyWorse * noise)) return false;
+  if (plainly_worse(problem, state, camera, simpler)) return false;
   for (Simpler fuller = simpler; fuller.problem.rules.size() > problem.rules.size(); simpler = fuller) {
     fuller.problem.rules.pop_back();
     fuller.summary = solve(fuller.problem, fuller.state);
