@@ -59,6 +59,10 @@ INSTANTIATE_TEST_SUITE_P(Rigs, HardStart,
                                            HardRig{"AViewPosedPoorlyComesBackInTheEnd", "brown_conrady", 22216},
                                            HardRig{"AllCoefficientsAreTriedOnceMore", "thin_prism", 16056},
                                            HardRig{"AViewThatComesBackMayBeMirrored", "pinhole", 30087},
+                                           HardRig{"ASolveThatIsBlockedSetsOutElsewhere", "extended_unified", 30278},
+                                           HardRig{"CoefficientsAreTakenBack", "rational", 41045},
+                                           HardRig{"FewCornersTellWhatFitsPlainlyWorse", "rational", 30489},
+                                           HardRig{"WrongCornersMayAgreeBetter", "field_of_view", 24161},
                                            HardRig{"ParallelBoardsFitOtherFocalLengths", "kannala_brandt", 16005}),
                          [](const auto& rig) { return std::string(rig.param.name); });
 
