@@ -119,7 +119,7 @@ std::vector<Camera> cameras_alike(const CalibrationProblem& single, const Solved
   std::vector<Camera> alike = twin_cameras(state.cameras[0], rays, alike_px);
   if (solved.summary.termination == Termination::kBlocked) {
     const CameraCorners corners = used_corners(single, state, 0);
-    alike.push_back(fitted_anew(state.cameras[0], corners.rays, corners.pixels, {}));
+    alike.push_back(fitted_anew(state.cameras[0], corners.rays, corners.pixels));
   }
   std::vector<Camera> starts{state.cameras[0]};
   if (!alike.empty()) starts.push_back(alike.front());
