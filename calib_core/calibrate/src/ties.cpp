@@ -17,7 +17,6 @@ namespace {
 constexpr double kShareOfTheSameMoment = 0.1;  // of the frames, at least ...
 constexpr std::size_t kFewestFrames = 3;       // ... and so many: a pose of cameras that one frame gives fits it
 constexpr double kAlike = 5.0;                 // times what frames of the same moment err
-constexpr double kPosesSettled = 1e-9;         // of the cost: what is left turns no decision, and a solve follows
 
 // Whether the camera could see at least half of the view's corners with the board where its pose has it.
 bool in_sight(const CalibrationProblem& problem, const BundleState& state, int view) {
@@ -78,7 +77,6 @@ void solve_poses(const CalibrationProblem& problem, BundleState& state, int thre
   }
   BundleOptions options;
   options.threads = threads;
-  options.settled = kPosesSettled;
   solve_bundle(poses_only, state, options);
 }
 
