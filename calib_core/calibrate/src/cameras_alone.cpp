@@ -145,7 +145,7 @@ void solve(LoneCamera& camera, bool of_rig, const CalibrateOptions& options) {
   const BundleState& state = camera.optimum.solved.state;
   camera.sigma = robust_sigmas(single, state)[0];
   camera.mirrored.resize(single.views.size());
-  if (of_rig) camera.mirrored = mirrored_boards(single, camera.optimum);
+  if (of_rig) camera.mirrored = mirrored_boards(single, camera.optimum, options.threads);
 }
 
 // One stage of all cameras. They know nothing of one another: so many threads are shared out among them.

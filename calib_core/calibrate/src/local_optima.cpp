@@ -12,6 +12,7 @@
 #include "lens_certainty.hpp"
 #include "lower_optima.hpp"
 #include "raybundle/calibrate/lens_domain.hpp"
+#include "raybundle/geometry/threads.hpp"
 #include "raybundle/initialize/other_optima.hpp"
 #include "weak_directions.hpp"
 
@@ -38,21 +39,27 @@ struct Mirrored {
   double growth = 0.0;  // relative, of the view's squares
 };
 
-std::vector<Mirrored> mirrored_of(const CalibrationProblem& single, const BundleState& state) {
+std::optional<MirroredPose> mirrored_pose_of(const CalibrationProblem& single, const BundleState& state,
+                                             std::size_t v) {
+  const int pose = state.pose_of_view[v];
+  if (pose < 0) return std::nullopt;
+  const TargetView& view = single.views[v];
+  std::vector<Eigen::Vector3d> points;  // in the target
+  std::vector<Eigen::Vector2d> pixels;
+  for (std::size_t i = 0; i < view.observations.size(); ++i) {
+    if (state.fates[v][i] != ObservationFate::kUsed) continue;
+    points.push_back(single.targets[view.target].find(view.observations[i].point_id)->x_in_target);
+    pixels.push_back(view.observations[i].pixel);
+  }
+  return find_mirrored_pose(state.cameras[0], points, pixels, state.poses[pose].rig_from_target);
+}
+
+std::vector<Mirrored> mirrored_of(const CalibrationProblem& single, const BundleState& state, int threads) {
+  std::vector<std::optional<MirroredPose>> of_view(single.views.size());
+  for_each_index(of_view.size(), threads, [&](std::size_t v) { of_view[v] = mirrored_pose_of(single, state, v); });
   std::vector<Mirrored> found;
-  for (std::size_t v = 0; v < single.views.size(); ++v) {
-    const int pose = state.pose_of_view[v];
-    if (pose < 0) continue;
-    const TargetView& view = single.views[v];
-    std::vector<Eigen::Vector3d> points;  // in the target
-    std::vector<Eigen::Vector2d> pixels;
-    for (std::size_t i = 0; i < view.observations.size(); ++i) {
-      if (state.fates[v][i] != ObservationFate::kUsed) continue;
-      points.push_back(single.targets[view.target].find(view.observations[i].point_id)->x_in_target);
-      pixels.push_back(view.observations[i].pixel);
-    }
-    const auto mirrored = find_mirrored_pose(state.cameras[0], points, pixels, state.poses[pose].rig_from_target);
-    if (mirrored) found.push_back({v, mirrored->camera_from_target, mirrored->squares_ratio - 1.0});
+  for (std::size_t v = 0; v < of_view.size(); ++v) {
+    if (of_view[v]) found.push_back({v, of_view[v]->camera_from_target, of_view[v]->squares_ratio - 1.0});
   }
   return found;
 }
@@ -210,8 +217,9 @@ std::vector<Eigen::Vector3d> rays_seen(const CalibrationProblem& single, const B
   return some;
 }
 
-std::vector<std::optional<Rigid3>> mirrored_boards(const CalibrationProblem& single, const CameraOptimum& optimum) {
-  return optimum.mirrored ? *optimum.mirrored : of_views(single, mirrored_of(single, optimum.solved.state));
+std::vector<std::optional<Rigid3>> mirrored_boards(const CalibrationProblem& single, const CameraOptimum& optimum,
+                                                   int threads) {
+  return optimum.mirrored ? *optimum.mirrored : of_views(single, mirrored_of(single, optimum.solved.state, threads));
 }
 
 CameraOptimum leave_local_optima(const CalibrationProblem& single, const CalibrateOptions& options,
@@ -226,17 +234,17 @@ CameraOptimum leave_local_optima(const CalibrationProblem& single, const Calibra
     here.summary = solve_without_outliers(single, here.state, options, false, here.reasons, so_far);
   };
   const auto turn_boards = [&] {
-    mirrored = mirrored_of(single, here.state);
+    mirrored = mirrored_of(single, here.state, options.threads);
     if (turn_mirrored_boards(here.state, *mirrored)) {
       solve_on({});
       if (failed()) return;
-      mirrored = mirrored_of(single, here.state);
+      mirrored = mirrored_of(single, here.state, options.threads);
     }
     // The camera that one board had bent may have kept another one from turning.
     for (int round = 0; round < kRounds && !failed(); ++round) {
       if (!try_mirrored_boards(single, *mirrored, options, here)) return;
       solve_on(here.summary);
-      if (!failed()) mirrored = mirrored_of(single, here.state);
+      if (!failed()) mirrored = mirrored_of(single, here.state, options.threads);
     }
   };
   const auto measure = [&] {

@@ -35,6 +35,7 @@ std::vector<Eigen::Vector3d> rays_seen(const CalibrationProblem& single, const B
 /// @param single   a problem with one camera
 /// @param optimum  of leave_local_optima()
 /// @return         aligned with problem.views; empty where the pixels tell
-std::vector<std::optional<Rigid3>> mirrored_boards(const CalibrationProblem& single, const CameraOptimum& optimum);
+std::vector<std::optional<Rigid3>> mirrored_boards(const CalibrationProblem& single, const CameraOptimum& optimum,
+                                                   int threads);
 
 }  // namespace raybundle

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "raybundle/calibrate/lens_domain.hpp"
+#include "raybundle/geometry/threads.hpp"
 #include "subproblem.hpp"
 
 namespace raybundle {
@@ -23,6 +24,19 @@ struct OtherSolve {
   BundleState state;
   BundleSummary summary;
 };
+
+// Solves that know nothing of one another: the threads are shared out among them.
+std::vector<OtherSolve> solve_side_by_side(const CalibrationProblem& single, std::vector<CostedState>& starts,
+                                           BundleOptions bundle) {
+  const int side_by_side = std::clamp(static_cast<int>(starts.size()), 1, bundle.threads);
+  bundle.threads /= side_by_side;
+  std::vector<OtherSolve> solves(starts.size());
+  for_each_index(starts.size(), side_by_side, [&](std::size_t i) {
+    solves[i].state = std::move(starts[i].state);
+    solves[i].summary = solve_bundle(single, solves[i].state, bundle);
+  });
+  return solves;
+}
 
 std::vector<CostedState> with_cameras(const BundleState& state, const std::vector<Camera>& cameras) {
   std::vector<CostedState> states;
@@ -43,9 +57,7 @@ std::vector<OtherSolve> lower_optima(const CalibrationProblem& single, const Bun
   const auto by_cost = [](const OtherSolve& solve) { return solve.summary.final_cost; };
   std::vector<OtherSolve> solves;
   std::vector<CostedState> come_to;
-  for (CostedState& start : others) {
-    OtherSolve other{std::move(start.state), {}};
-    other.summary = solve_bundle(single, other.state, bundle);
+  for (OtherSolve& other : solve_side_by_side(single, others, bundle)) {
     if (other.summary.termination == Termination::kFailed) continue;
     if (spoils_lens(single, state, other.state)) continue;  // or they would crowd out those that may be followed
     come_to.push_back({other.state, other.summary.final_cost});
