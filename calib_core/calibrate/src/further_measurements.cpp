@@ -11,6 +11,7 @@
 #include "drag.hpp"
 #include "laser_stage.hpp"
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/threads.hpp"
 #include "raybundle/uncertainty/corner_evidence.hpp"
 #include "raybundle/uncertainty/covariance.hpp"
 #include "raybundle/uncertainty/frame_covariance.hpp"
@@ -166,9 +167,9 @@ void add_further_measurements(const CalibrateOptions& options, const BundleOptio
   JoinedSurvey survey;
   if (problem.survey) survey = add_survey(options, bundle, corner_scale, problem, state, result);
   if (problem.laser) try_laser(options, bundle, corner_scale, problem, state, result);
-  for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
-    evidence.push_back(corner_evidence(problem, state, c));
-  }
+  evidence.resize(problem.cameras.size());
+  for_each_index(evidence.size(), options.threads,
+                 [&](std::size_t c) { evidence[c] = corner_evidence(problem, state, static_cast<int>(c)); });
   std::ranges::copy(survey.warnings, std::back_inserter(result.warnings));
   if (!result.survey) return;
   fill_residuals(problem, state, survey.target_from_local, result.survey->images);
