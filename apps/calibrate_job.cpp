@@ -24,6 +24,7 @@
 #include "raybundle/bundle/parameters.hpp"
 #include "raybundle/calibrate/calibrate.hpp"
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/threads.hpp"
 #include "raybundle/io/calibration_file.hpp"
 #include "raybundle/io/hash.hpp"
 #include "raybundle/io/report_file.hpp"
@@ -150,12 +151,13 @@ Provenance provenance_of(const CalibrateJob& job, const std::optional<SurveyInpu
       provenance.inputs.push_back({path, sha256_of_file(path)});
     }
   }
-  for (const auto* files : {&images.files, &images.laser_files}) {
-    for (const ImageFile& file : *files) {
-      const bool unreadable = access(file.path.c_str(), R_OK) != 0;  // it is among those that are left out
-      if (!unreadable) provenance.inputs.push_back({file.path, sha256_of_file(file.path)});
-    }
-  }
+  std::vector<ImageFile> files = images.files;
+  std::ranges::copy(images.laser_files, std::back_inserter(files));
+  std::erase_if(files, [](const ImageFile& file) { return access(file.path.c_str(), R_OK) != 0; });  // told as left out
+  for_each_index(files.size(), options.threads, [&](std::size_t i) {
+    if (files[i].sha256.empty()) files[i].sha256 = sha256_of_file(files[i].path);
+  });
+  for (const ImageFile& file : files) provenance.inputs.push_back({file.path, file.sha256});
   return provenance;
 }
 
@@ -273,7 +275,7 @@ void run_calibration(const CalibrateJob& job) {
   std::ranges::copy(checked.warnings, std::back_inserter(result.warnings));
   if (!checked.sections.empty()) result.stages.push_back({"check", now() - check_begin});
   const double judge_begin = now();
-  const Judgements judgements = judge(problem, result, requirements);
+  const Judgements judgements = judge(problem, result, requirements, options.threads);
   ReportExtra extra{images.unused, provenance_of(job, survey, options, images), sections_of(judgements, result)};
   extra.sections.push_back(pictures_section(problem, result, options.threads));
   if (result.survey) extra.sections.push_back({"survey", json_from_survey(*result.survey).dump()});

@@ -30,8 +30,9 @@ std::vector<Board> boards_of(const Dataset& dataset) {
 }
 
 // Nothing for a file that cannot be read: whoever reads it says why.
-std::string key_of(const ImageFile& file, const std::vector<Board>& boards) try {
-  return cache_key(sha256_of_file(file.path), boards);
+std::string key_of(ImageFile& file, const std::vector<Board>& boards) try {
+  file.sha256 = sha256_of_file(file.path);
+  return cache_key(file.sha256, boards);
 } catch (const Error&) {
   return "";
 }

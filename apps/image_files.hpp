@@ -16,6 +16,7 @@ struct ImageFile {
   std::string path;
   std::string frame;  ///< name of the moment; empty for a video, the file's whole name when it is no image
   bool video = false;
+  std::string sha256 = {};  ///< of its content; empty as long as nobody has asked
 };
 
 /// Sorts names as a person would count them: numbers in numeric order.

@@ -17,6 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kMapColumns = 32;
+constexpr int kNextViews = 3;
 constexpr double kUsualRanges_m[] = {1.0, kInfinitelyFar};
 
 // The requirement that fails by most, whose figure the next views should make smaller.
@@ -133,9 +134,9 @@ std::string next_views_text(const NextViews& next) {
 }  // namespace
 
 Judgements judge(const CalibrationProblem& problem, const CalibrationResult& result,
-                 const std::vector<Requirement>& requirements) {
+                 const std::vector<Requirement>& requirements, int threads) {
   Judgements judgements{verdict(problem, result, requirements), {}, {}};
-  judgements.next_views = next_best_views(problem, result, worst_requirement(judgements.verdict));
+  judgements.next_views = next_best_views(problem, result, worst_requirement(judgements.verdict), kNextViews, threads);
   std::vector<double>& ranges = judgements.ranges_m;
   const auto add = [&](double range_m) {
     if (std::ranges::find(ranges, range_m) == ranges.end()) ranges.push_back(range_m);

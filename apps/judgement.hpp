@@ -19,7 +19,7 @@ struct Judgements {
 };
 
 Judgements judge(const CalibrationProblem& problem, const CalibrationResult& result,
-                 const std::vector<Requirement>& requirements);
+                 const std::vector<Requirement>& requirements, int threads);
 
 /// What the terminal says: each requirement, what the data lack, and the next best views when one would help.
 std::string text_of(const Judgements& judgements);

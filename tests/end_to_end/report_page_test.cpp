@@ -47,7 +47,7 @@ Example example() {
   made.problem = synthetic_world(options).problem;
   made.problem.views[0].image = "</script><h1>left over</h1>.jpg";
   made.result = calibrate(made.problem);
-  const apps::Judgements judged = apps::judge(made.problem, made.result, {requirement_from_text("rms 0.01 px")});
+  const apps::Judgements judged = apps::judge(made.problem, made.result, {requirement_from_text("rms 0.01 px")}, 2);
   made.extra.sections = apps::sections_of(judged, made.result);
   return made;
 }
@@ -111,7 +111,7 @@ TEST_F(ReportPageInBrowser, ShowsTheLaserAndCountsWarnings) {
   const CalibrationResult result = calibrate(world.problem);
   ASSERT_TRUE(result.laser);
   ReportExtra extra;
-  extra.sections = apps::sections_of(apps::judge(world.problem, result, {}), result);
+  extra.sections = apps::sections_of(apps::judge(world.problem, result, {}, 2), result);
   open(text_from_report(world.problem, result, extra));
   EXPECT_THAT(text("#laser"), AllOf(HasSubstr("of 121 beams"), HasSubstr("tells depth"), HasSubstr("camera0.fx")));
   CalibrationResult warned = result;
@@ -155,7 +155,7 @@ TEST_F(ReportPageInBrowser, ShowsTheSigmasOfTheTerminal) {
   Example made = example();
   Calibration& calibration = made.result.calibration;
   calibration.covariance_by_frame = {calibration.covariance.names, 9.0 * calibration.covariance.matrix};
-  made.extra.sections = apps::sections_of(apps::judge(made.problem, made.result, {}), made.result);
+  made.extra.sections = apps::sections_of(apps::judge(made.problem, made.result, {}, 2), made.result);
   open(text_from_report(made.problem, made.result, made.extra));
   const auto by_page = [&](const std::string& selector) {
     std::string words = text(selector);

@@ -21,7 +21,13 @@ struct Half {
   Eigen::MatrixXd covariance;
 };
 
-std::optional<Half> solved(const PoseInformation& sum) {
+// Normal equations for the parameters that a covariance names, when the boards' poses may follow freely.
+struct Sum {
+  Eigen::MatrixXd information;
+  Eigen::VectorXd gradient;
+};
+
+std::optional<Half> solved(const Sum& sum) {
   const Eigen::VectorXd diagonal = sum.information.diagonal();
   if (diagonal.size() == 0 || !(diagonal.minCoeff() > 0.0)) return std::nullopt;
   const Eigen::VectorXd scale = diagonal.cwiseSqrt().cwiseInverse();
@@ -51,13 +57,14 @@ std::vector<Drift> drift_between_halves(const CalibrationProblem& problem, const
   const int middle = frames[frames.size() / 2];
 
   const auto size = static_cast<Eigen::Index>(calibration.covariance.names.size());
-  std::array<PoseInformation, 2> sums;
+  std::array<Sum, 2> sums;
   sums.fill({Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size)});
   for (const auto& [pose, views] : by_pose) {
-    const PoseInformation one = pose_information(calibration, views, result.poses[pose].rig_from_target);
-    PoseInformation& sum = sums[result.poses[pose].frame < middle ? 0 : 1];
-    sum.information += one.information;
-    sum.gradient += one.gradient;
+    const Eigen::MatrixXd rows = rows_beside_pose(calibration, views, result.poses[pose].rig_from_target);
+    const auto by_parameters = rows.leftCols(size);
+    Sum& sum = sums[result.poses[pose].frame < middle ? 0 : 1];
+    sum.information += by_parameters.transpose() * by_parameters;
+    sum.gradient += by_parameters.transpose() * rows.col(size);
   }
   const std::optional<Half> first = solved(sums[0]), second = solved(sums[1]);
   if (!first || !second) return {};

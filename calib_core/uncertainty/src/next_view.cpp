@@ -12,6 +12,7 @@
 #include "figures.hpp"
 #include "pose_information.hpp"
 #include "raybundle/geometry/quantile.hpp"
+#include "raybundle/geometry/threads.hpp"
 #include "raybundle/scene/parameter_names.hpp"
 #include "raybundle/uncertainty/coverage.hpp"
 #include "raybundle/uncertainty/image_cells.hpp"
@@ -34,16 +35,19 @@ std::vector<ViewData> imagined_views(const Calibration& calibration, int target,
   return views;
 }
 
-// (C^-1 + H)^-1 = C - C L (1 + L' C L)^-1 L' C for H = L L': no inverse of a covariance is formed.
-Eigen::MatrixXd updated(const Eigen::MatrixXd& covariance, const Eigen::MatrixXd& information) {
-  const Eigen::LDLT<Eigen::MatrixXd> ldlt(information);
-  const Eigen::MatrixXd lower = ldlt.matrixL();
-  const Eigen::MatrixXd root =
-      ldlt.transpositionsP().transpose() * (lower * ldlt.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal());
-  const Eigen::MatrixXd across = covariance * root;
-  Eigen::MatrixXd inner = root.transpose() * across;
+// (C^-1 + H)^-1 = U (1 + U' H U)^-1 U' for C = U U': no inverse of a covariance is formed.
+Eigen::MatrixXd updated(const Eigen::MatrixXd& root, const Eigen::MatrixXd& information) {
+  Eigen::MatrixXd inner = root.transpose() * (information * root);
   inner.diagonal().array() += 1.0;
-  return covariance - across * inner.llt().solve(across.transpose());
+  const Eigen::LLT<Eigen::MatrixXd> llt(inner);
+  const Eigen::MatrixXd lower = llt.matrixL().solve(root.transpose());
+  return lower.transpose() * lower;
+}
+
+Eigen::MatrixXd root_of(const Eigen::MatrixXd& covariance) {
+  const Eigen::LDLT<Eigen::MatrixXd> ldlt(covariance);
+  const Eigen::MatrixXd lower = ldlt.matrixL();
+  return ldlt.transpositionsP().transpose() * (lower * ldlt.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal());
 }
 
 // Of a corner, as the solve found it: its stated sigma and how far residuals exceed such ones.
@@ -66,13 +70,17 @@ struct Information {
   BeamMatrices of_beams;
 };
 
-Knowledge updated(const Knowledge& known, const Information& added) {
-  Knowledge result = known;
-  if (added.of_parameters.size() > 0) {
-    result.parameters.matrix = updated(known.parameters.matrix, added.of_parameters);
-  }
+// What is known with its roots, which many updates share.
+struct Before {
+  Knowledge known;
+  Eigen::MatrixXd root = root_of(known.parameters.matrix);
+};
+
+Knowledge updated(const Before& before, const Information& added) {
+  Knowledge result = before.known;
+  if (added.of_parameters.size() > 0) result.parameters.matrix = updated(before.root, added.of_parameters);
   for (std::size_t b = 0; b < added.of_beams.size(); ++b) {
-    if (!added.of_beams[b].isZero(0.0)) result.beams[b] = updated(known.beams[b], added.of_beams[b]);
+    if (!added.of_beams[b].isZero(0.0)) result.beams[b] = updated(root_of(result.beams[b]), added.of_beams[b]);
   }
   return result;
 }
@@ -80,12 +88,13 @@ Knowledge updated(const Knowledge& known, const Information& added) {
 // How projections all over a camera's image depend on its parameters: looked at once, for hundreds of covariances.
 struct ImageDerivatives {
   std::vector<std::string> parameters;
-  std::vector<Eigen::Matrix2Xd> at_infinity;
+  Eigen::MatrixXd of_u, of_v;  // at infinity, a row for each place
 
   explicit ImageDerivatives(const RigCamera& camera) : parameters(intrinsic_names(camera)) {
     const ProjectionUncertainty uncertainty = projection_uncertainty(camera, {});
     const ImageSize size = camera.camera.size;
     const int rows = rows_of_square_cells(size, kPlacesAcross);
+    std::vector<Eigen::Matrix2Xd> at_infinity;
     for (int row = 0; row < rows; ++row) {
       for (int column = 0; column < kPlacesAcross; ++column) {
         const Eigen::Vector2d pixel = middle_of_cell(size, rows, kPlacesAcross, row, column);
@@ -93,6 +102,22 @@ struct ImageDerivatives {
         if (derivatives) at_infinity.push_back(std::move(*derivatives));
       }
     }
+    of_u.resize(std::ssize(at_infinity), std::ssize(parameters));
+    of_v.resizeLike(of_u);
+    for (Eigen::Index i = 0; i < of_u.rows(); ++i) {
+      of_u.row(i) = at_infinity[i].row(0);
+      of_v.row(i) = at_infinity[i].row(1);
+    }
+  }
+
+  // Of each place, as largest_sigma().
+  Eigen::ArrayXd largest_variances(const Covariance& covariance) const {
+    const Eigen::MatrixXd of_lens = covariance.block(parameters);
+    const Eigen::MatrixXd along_u = of_u * of_lens, along_v = of_v * of_lens;
+    const Eigen::ArrayXd uu = along_u.cwiseProduct(of_u).rowwise().sum();
+    const Eigen::ArrayXd vv = along_v.cwiseProduct(of_v).rowwise().sum();
+    const Eigen::ArrayXd uv = along_u.cwiseProduct(of_v).rowwise().sum();
+    return 0.5 * (uu + vv + ((uu - vv).square() + 4.0 * uv.square()).sqrt());
   }
 };
 
@@ -154,11 +179,9 @@ struct Objective {
     double sum = 0.0;
     int count = 0;
     for (const ImageDerivatives& image : images) {
-      const Eigen::MatrixXd of_lens = covariance.block(image.parameters);
-      for (const Eigen::Matrix2Xd& derivatives : image.at_infinity) {
-        const double sigma = largest_sigma(derivatives * of_lens * derivatives.transpose());
-        if (!std::isfinite(sigma)) continue;
-        sum += sigma * sigma;
+      for (const double variance : image.largest_variances(covariance)) {
+        if (!std::isfinite(variance)) continue;
+        sum += variance;
         ++count;
       }
     }
@@ -193,13 +216,13 @@ std::optional<int> usual_target(const CalibrationProblem& problem) {
 
 // Gains hardly ever grow as views are added, so one that was too small in the round before need not be looked at again
 // (lazy greedy selection, Minoux 1978).
-const Choice& best_choice(const Objective& objective, const Knowledge& known, std::vector<Choice>& choices) {
-  const double before = objective.cost(known);
+const Choice& best_choice(const Objective& objective, const Before& before, std::vector<Choice>& choices) {
+  const double cost = objective.cost(before.known);
   std::ranges::stable_sort(choices, std::ranges::greater{}, &Choice::gain);
   std::size_t best = 0;
   double most = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < choices.size() && choices[i].gain > most; ++i) {
-    choices[i].gain = before - objective.cost(updated(known, choices[i].information));
+    choices[i].gain = cost - objective.cost(updated(before, choices[i].information));
     if (choices[i].gain > most) best = i, most = choices[i].gain;
   }
   return choices[best];
@@ -208,7 +231,7 @@ const Choice& best_choice(const Objective& objective, const Knowledge& known, st
 }  // namespace
 
 NextViews next_best_views(const CalibrationProblem& problem, const CalibrationResult& result,
-                          const std::optional<Requirement>& requirement, int count) {
+                          const std::optional<Requirement>& requirement, int count, int threads) {
   const Calibration& calibration = result.calibration;
   const Objective objective(calibration, requirement);
   NextViews next;
@@ -217,31 +240,35 @@ NextViews next_best_views(const CalibrationProblem& problem, const CalibrationRe
   const std::optional<int> target = usual_target(problem);
   if (!target) return next;
   const double corner_px = corner_sigma(problem, result), dot_px = dot_sigma(problem, result);
-  Knowledge known{calibration.covariance, calibration.laser ? stated_beams(calibration) : BeamMatrices{}};
+  Before before{{calibration.covariance, calibration.laser ? stated_beams(calibration) : BeamMatrices{}}};
   const std::vector<CameraCoverage> seen = coverage(problem, result);
   std::vector<Choice> choices;
   for (int c = 0; c < static_cast<int>(calibration.cameras.size()); ++c) {
     if (!calibration.cameras[c].evidence) continue;
     for (BoardCandidate& board : board_candidates(calibration, c, *target, seen[c])) {
-      const Rigid3& pose = board.rig_from_target;
-      Information information;
-      if (objective.needs_parameters()) {
-        const std::vector<ViewData> views = imagined_views(calibration, *target, pose, corner_px);
-        information.of_parameters = pose_information(calibration, views, pose).information;
-      }
-      if (objective.needs_beams() && dot_px > 0.0) {
-        information.of_beams = imagined_dots(calibration, *target, pose, dot_px);
-      }
-      choices.push_back({std::move(board), std::move(information)});
+      choices.push_back({std::move(board), {}});
     }
   }
+  const double cost = objective.cost(before.known);
+  for_each_index(choices.size(), threads, [&](std::size_t i) {
+    const Rigid3& pose = choices[i].board.rig_from_target;
+    Information& information = choices[i].information;
+    if (objective.needs_parameters()) {
+      const std::vector<ViewData> views = imagined_views(calibration, *target, pose, corner_px);
+      information.of_parameters = pose_information(calibration, views, pose);
+    }
+    if (objective.needs_beams() && dot_px > 0.0) {
+      information.of_beams = imagined_dots(calibration, *target, pose, dot_px);
+    }
+    choices[i].gain = cost - objective.cost(updated(before, information));
+  });
   for (int k = 0; k < count && !choices.empty(); ++k) {
-    const Choice& best = best_choice(objective, known, choices);
+    const Choice& best = best_choice(objective, before, choices);
     if (!(best.gain > 0.0)) break;
     const Rigid3& pose = best.board.rig_from_target;
-    const double before = objective.figure(known);
-    known = updated(known, best.information);
-    NextView view{best.board.camera, *target, pose, best.board.text, before, objective.figure(known), {}};
+    const double figure = objective.figure(before.known);
+    before = Before{updated(before, best.information)};
+    NextView view{best.board.camera, *target, pose, best.board.text, figure, objective.figure(before.known), {}};
     for (const RigCamera& camera : calibration.cameras) {
       view.outlines.push_back(outline_in_image(camera, calibration.targets[*target].target, pose));
     }

@@ -5,6 +5,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 
+#include "raybundle/geometry/gram.hpp"
 #include "sensitivity.hpp"
 
 namespace raybundle {
@@ -23,43 +24,79 @@ ViewData view_of(int camera, int target, ModelId model, Eigen::Index rows) {
   return view;
 }
 
-}  // namespace
+constexpr Eigen::Index kPoseColumns = 6;
+constexpr double kUnseen = 1e-12;  // of the largest: directions of a pose that its corners do not tell
 
-Eigen::MatrixXd rows_beside_pose(const Calibration& calibration, const std::vector<ViewData>& views,
-                                 const Rigid3& rig_from_target) {
-  const Covariance& known = calibration.covariance;
-  const auto columns = static_cast<Eigen::Index>(known.names.size());
+Eigen::Index corner_rows(const std::vector<ViewData>& views) {
   Eigen::Index count = 0;
   for (const ViewData& view : views) count += 2 * view.pixel.rows();
-  Eigen::MatrixXd by_pose(count, 6), rows = Eigen::MatrixXd::Zero(count, columns + 1);
+  return count;
+}
+
+// The columns of the pose, of the parameters that the covariance names and of the residual. Behind the rows of the
+// corners stand zeros, as gram() wants them; all are zero when a corner does not project.
+Eigen::MatrixXd whitened_rows(const Calibration& calibration, const std::vector<ViewData>& views,
+                              const Rigid3& rig_from_target) {
+  const Covariance& known = calibration.covariance;
+  const auto parameters = static_cast<Eigen::Index>(known.names.size());
+  const Eigen::Index padded = (corner_rows(views) + 3) / 4 * 4;
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(padded, kPoseColumns + parameters + 1);
   Eigen::Index first = 0;
   for (const ViewData& view : views) {
     const RigCamera& camera = calibration.cameras[view.camera];
     const CalibratedTarget& target = calibration.targets[view.target];
-    const BoardShape& shape = target.shape;
-    const ViewPoint point{camera.camera.parameters.data(), camera.camera_from_rig, rig_from_target, shape.sags()};
+    const ViewPoint point{camera.camera.parameters.data(), camera.camera_from_rig, rig_from_target,
+                          target.shape.sags()};
     ViewBlock block;
-    if (!linearize_view(view, point, {.with_shape = true}, block)) return Eigen::MatrixXd::Zero(count, columns + 1);
+    if (!linearize_view(view, point, {.with_shape = true}, block)) return rows.setZero();
     const Eigen::Index of_view = 2 * view.pixel.rows();
-    by_pose.middleRows(first, of_view) = block.wrt_rig_from_target.topRows(of_view);
-    auto here = rows.middleRows(first, of_view);
+    rows.block(first, 0, of_view, kPoseColumns) = block.wrt_rig_from_target.topRows(of_view);
+    auto here = rows.block(first, kPoseColumns, of_view, parameters);
     scatter(block.wrt_intrinsics.topRows(of_view), known.places_of(intrinsic_names(camera)), here);
     scatter(block.wrt_camera_from_rig.topRows(of_view), known.places_of(extrinsic_names(camera)), here);
     scatter(block.wrt_shape.topRows(of_view), known.places_of(shape_names(target.target.name)), here);
-    here.rightCols<1>() = block.residual.head(of_view);
+    rows.rightCols<1>().segment(first, of_view) = block.residual.head(of_view);
     first += of_view;
   }
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(by_pose);
+  return rows;
+}
+
+// Of the pose's equations, the upper triangle of whose left side stands first in `products`, in units of what each
+// direction would be known to alone.
+Eigen::MatrixXd pose_solution(const Eigen::MatrixXd& products, const Eigen::MatrixXd& right) {
+  using Matrix6d = Eigen::Matrix<double, kPoseColumns, kPoseColumns>;
+  const Matrix6d left = products.topLeftCorner<kPoseColumns, kPoseColumns>().selfadjointView<Eigen::Upper>();
+  const Eigen::Matrix<double, kPoseColumns, 1> scale =
+      (left.diagonal().array() > 0.0).select(left.diagonal().array().rsqrt(), 0.0);
+  Eigen::ColPivHouseholderQR<Matrix6d> qr;
+  qr.setThreshold(kUnseen);
+  qr.compute(scale.asDiagonal() * left * scale.asDiagonal());
+  return scale.asDiagonal() * qr.solve(scale.asDiagonal() * right);
+}
+
+}  // namespace
+
+Eigen::MatrixXd rows_beside_pose(const Calibration& calibration, const std::vector<ViewData>& views,
+                                 const Rigid3& rig_from_target) {
+  const Eigen::MatrixXd all = whitened_rows(calibration, views, rig_from_target);
+  const Eigen::Index count = corner_rows(views);
+  Eigen::MatrixXd rows = all.topRightCorner(count, all.cols() - kPoseColumns);
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(all.topLeftCorner(count, kPoseColumns));
   const Eigen::MatrixXd along = qr.householderQ() * Eigen::MatrixXd::Identity(count, qr.rank());
   rows -= along * (along.transpose() * rows);
   return rows;
 }
 
-PoseInformation pose_information(const Calibration& calibration, const std::vector<ViewData>& views,
+Eigen::MatrixXd pose_information(const Calibration& calibration, const std::vector<ViewData>& views,
                                  const Rigid3& rig_from_target) {
-  const Eigen::MatrixXd rows = rows_beside_pose(calibration, views, rig_from_target);
-  const auto by_parameters = rows.leftCols(rows.cols() - 1);
-  return {by_parameters.transpose() * by_parameters, by_parameters.transpose() * rows.rightCols<1>()};
+  Eigen::MatrixXd products;
+  gram(whitened_rows(calibration, views, rig_from_target), products);
+  const auto parameters = static_cast<Eigen::Index>(calibration.covariance.names.size());
+  const Eigen::MatrixXd across = products.block(0, kPoseColumns, kPoseColumns, parameters);
+  Eigen::MatrixXd information =
+      products.block(kPoseColumns, kPoseColumns, parameters, parameters).selfadjointView<Eigen::Upper>();
+  information.noalias() -= across.transpose() * pose_solution(products, across);
+  return information;
 }
 
 ViewData used_corners(const CalibrationProblem& problem, const CalibrationResult& result, int view, int camera) {

@@ -17,15 +17,8 @@ namespace raybundle {
 Eigen::MatrixXd rows_beside_pose(const Calibration& calibration, const std::vector<ViewData>& views,
                                  const Rigid3& rig_from_target);
 
-/// Normal equations, for the parameters that a covariance names, of views that share one board pose, when the pose may
-/// follow freely.
-struct PoseInformation {
-  Eigen::MatrixXd information;
-  Eigen::VectorXd gradient;
-};
-
-/// Of rows_beside_pose().
-PoseInformation pose_information(const Calibration& calibration, const std::vector<ViewData>& views,
+/// JᵀJ of the same rows, faster: to the root of their precision, which is enough for views that are imagined.
+Eigen::MatrixXd pose_information(const Calibration& calibration, const std::vector<ViewData>& views,
                                  const Rigid3& rig_from_target);
 
 /// The corners of a view that a solve used, with the labels that it settled on.
