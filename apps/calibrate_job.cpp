@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <iterator>
 #include <map>
 #include <set>
@@ -275,9 +276,18 @@ void run_calibration(const CalibrateJob& job) {
   std::ranges::copy(checked.warnings, std::back_inserter(result.warnings));
   if (!checked.sections.empty()) result.stages.push_back({"check", now() - check_begin});
   const double judge_begin = now();
-  const Judgements judgements = judge(problem, result, requirements, options.threads);
-  ReportExtra extra{images.unused, provenance_of(job, survey, options, images), sections_of(judgements, result)};
-  extra.sections.push_back(pictures_section(problem, result, options.threads));
+  Judgements judgements;
+  ReportExtra extra{images.unused, {}, {}};
+  ReportSection pictures;
+  const std::function<void()> parts[] = {// each with work that cannot be shared: beside each other they fill it
+                                         [&] {
+                                           judgements = judge(problem, result, requirements, options.threads);
+                                           extra.sections = sections_of(judgements, result);
+                                         },
+                                         [&] { pictures = pictures_section(problem, result, options.threads); },
+                                         [&] { extra.provenance = provenance_of(job, survey, options, images); }};
+  for_each_index(std::size(parts), options.threads, [&](std::size_t i) { parts[i](); });
+  extra.sections.push_back(std::move(pictures));
   if (result.survey) extra.sections.push_back({"survey", json_from_survey(*result.survey).dump()});
   std::ranges::copy(checked.sections, std::back_inserter(extra.sections));
   result.stages.push_back({"judge", now() - judge_begin});

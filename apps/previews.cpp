@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <iterator>
@@ -25,6 +26,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kWidth_px = 560;  // of a picture
 constexpr int kMostRectified_px = 900;
+constexpr int kSamplesPerSide = 25;   // of the field of a rectified pair, whose picture need not end to the pixel
 constexpr int kQuality = 72;          // of a JPEG
 constexpr int kWorstViews = 3;        // of each camera
 constexpr double kWidestHalf = 1.05;  // [rad] 60°: beyond, a plane stretches more than it shows
@@ -44,21 +46,57 @@ cv::Mat image_of(const TargetView& view, const ProblemCamera& camera) {
   return image.cols == camera.size.width && image.rows == camera.size.height ? image : cv::Mat();
 }
 
+// The brightness between four pixels; dark beyond the image.
+std::uint8_t brightness(const cv::Mat& image, float x, float y) {
+  constexpr std::uint8_t kBeyond = 40;
+  if (!(x >= 0 && y >= 0 && x < static_cast<float>(image.cols - 1) && y < static_cast<float>(image.rows - 1))) {
+    return kBeyond;
+  }
+  const int column = static_cast<int>(x), row = static_cast<int>(y);
+  const float right = x - static_cast<float>(column), down = y - static_cast<float>(row);
+  const std::uint8_t* const upper = image.ptr(row) + column;
+  const std::uint8_t* const lower = upper + image.step;
+  const float above = static_cast<float>(upper[0]) + right * static_cast<float>(upper[1] - upper[0]);
+  const float below = static_cast<float>(lower[0]) + right * static_cast<float>(lower[1] - lower[0]);
+  return static_cast<std::uint8_t>(above + down * (below - above) + 0.5F);
+}
+
 // Where a pixel comes from is looked up in every eighth row and column, and between them is nearly linear.
 cv::Mat resampled(const cv::Mat& image, int width, int height,
                   const std::function<std::optional<Eigen::Vector2d>(int, int)>& source) {
   constexpr int kStep = 8;
   const Eigen::Vector2d nowhere(-1e6, -1e6);  // as is all that lies between it and a pixel
-  cv::Mat coarse(height / kStep + 2, width / kStep + 2, CV_32FC2), fine, result;
-  for (int row = 0; row < coarse.rows; ++row) {
-    for (int column = 0; column < coarse.cols; ++column) {
-      const Eigen::Vector2d from = source(kStep * column, kStep * row).value_or(nowhere);
-      coarse.at<cv::Vec2f>(row, column) = {static_cast<float>(from.x()), static_cast<float>(from.y())};
+  const int columns = (width - 1) / kStep + 2, rows = (height - 1) / kStep + 2;
+  std::vector<Eigen::Vector2f> coarse;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      coarse.push_back(source(kStep * column, kStep * row).value_or(nowhere).cast<float>());
     }
   }
-  const cv::Matx23d coarse_from_fine(1.0 / kStep, 0.0, 0.0, 0.0, 1.0 / kStep, 0.0);
-  cv::warpAffine(coarse, fine, coarse_from_fine, {width, height}, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP);
-  cv::remap(image, result, fine, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar(40));
+  cv::Mat result(height, width, CV_8U);
+  for (int v = 0; v < height; ++v) {
+    std::uint8_t* const to = result.ptr(v);
+    const float down = static_cast<float>(v % kStep) / kStep;
+    const Eigen::Vector2f* const upper = coarse.data() + v / kStep * columns;
+    const auto at = [&](int column) -> Eigen::Vector2f {
+      return upper[column] + down * (upper[column + columns] - upper[column]);
+    };
+    for (int first = 0; first < width; first += kStep) {
+      const Eigen::Vector2f begin = at(first / kStep), step = (at(first / kStep + 1) - begin) / kStep;
+      for (int k = 0; k < std::min(kStep, width - first); ++k) {
+        const auto along = static_cast<float>(k);
+        to[first + k] = brightness(image, begin.x() + along * step.x(), begin.y() + along * step.y());
+      }
+    }
+  }
+  return result;
+}
+
+// Area by area where pixels would be left out between others.
+cv::Mat resized(const cv::Mat& image, int width, int height) {
+  cv::Mat result;
+  const bool all_count = image.cols < 2 * width && image.rows < 2 * height;
+  cv::resize(image, result, cv::Size(width, height), 0, 0, all_count ? cv::INTER_LINEAR : cv::INTER_AREA);
   return result;
 }
 
@@ -148,10 +186,8 @@ void add_undistorted(const CalibrationProblem& problem, const CalibrationResult&
   if (image.empty()) return;
   const cv::Mat flat = resampled(image, plane.width, plane.height,
                                  [&](int u, int v) { return pixel_from_ray(camera.camera, plane.ray(u, v)); });
-  cv::Mat small;
-  cv::resize(image, small, cv::Size(plane.width, plane.height), 0, 0, cv::INTER_AREA);
   const std::string& frame = problem.frames[view.frame];
-  pictures.push_back(picture("distorted", camera.name, frame, small));
+  pictures.push_back(picture("distorted", camera.name, frame, resized(image, plane.width, plane.height)));
   pictures.push_back(picture("undistorted", camera.name, frame, flat));
   pictures.back()["lines"] =
       straight_lines(camera.camera, plane, problem.targets[view.target], view, result.views[best]);
@@ -172,9 +208,7 @@ void add_worst_views(const CalibrationProblem& problem, const CalibrationResult&
     const cv::Mat image = image_of(view, problem.cameras[view.camera]);
     if (image.empty()) continue;
     const int width = std::min(kWidth_px, image.cols), height = std::max(1, width * image.rows / image.cols);
-    cv::Mat small;
-    cv::resize(image, small, cv::Size(width, height), 0, 0, cv::INTER_AREA);
-    pictures.push_back(picture("view", camera, problem.frames[view.frame], small));
+    pictures.push_back(picture("view", camera, problem.frames[view.frame], resized(image, width, height)));
     ++count;
   }
 }
@@ -197,7 +231,8 @@ void add_rectified(const CalibrationProblem& problem, const RigCamera& left, con
   const cv::Mat image_left = image_of(*best_left, problem.cameras[best_left->camera]);
   const cv::Mat image_right = image_of(*best_right, problem.cameras[best_right->camera]);
   if (image_left.empty() || image_right.empty()) return;
-  const Rectification pair = rectify(left, right, {.width_px = kMostRectified_px / 2});
+  const Rectification pair =
+      rectify(left, right, {.width_px = kMostRectified_px / 2, .samples_per_side = kSamplesPerSide});
   const auto half = [&](const RigCamera& camera, const Eigen::Quaterniond& rectified_from_camera,
                         const cv::Mat& image) {
     return resampled(image, pair.camera.size.width, pair.camera.size.height, [&](int u, int v) {

@@ -11,6 +11,7 @@
 #include "board_candidates.hpp"
 #include "figures.hpp"
 #include "pose_information.hpp"
+#include "raybundle/geometry/gram.hpp"
 #include "raybundle/geometry/quantile.hpp"
 #include "raybundle/geometry/threads.hpp"
 #include "raybundle/scene/parameter_names.hpp"
@@ -37,11 +38,13 @@ std::vector<ViewData> imagined_views(const Calibration& calibration, int target,
 
 // (C^-1 + H)^-1 = U (1 + U' H U)^-1 U' for C = U U': no inverse of a covariance is formed.
 Eigen::MatrixXd updated(const Eigen::MatrixXd& root, const Eigen::MatrixXd& information) {
-  Eigen::MatrixXd inner = root.transpose() * (information * root);
+  const Eigen::Index size = root.rows();
+  Eigen::MatrixXd inner = root.transpose() * (information * root), product;
   inner.diagonal().array() += 1.0;
-  const Eigen::LLT<Eigen::MatrixXd> llt(inner);
-  const Eigen::MatrixXd lower = llt.matrixL().solve(root.transpose());
-  return lower.transpose() * lower;
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero((size + 3) / 4 * 4, size);  // as gram() wants them
+  rows.topRows(size) = inner.llt().matrixL().solve(root.transpose());
+  gram(rows, product);
+  return product.selfadjointView<Eigen::Upper>();
 }
 
 Eigen::MatrixXd root_of(const Eigen::MatrixXd& covariance) {
@@ -216,14 +219,21 @@ std::optional<int> usual_target(const CalibrationProblem& problem) {
 
 // Gains hardly ever grow as views are added, so one that was too small in the round before need not be looked at again
 // (lazy greedy selection, Minoux 1978).
-const Choice& best_choice(const Objective& objective, const Before& before, std::vector<Choice>& choices) {
+const Choice& best_choice(const Objective& objective, const Before& before, int threads, std::vector<Choice>& choices) {
+  constexpr std::size_t kTogether = 32;  // are looked at, whatever the number of threads
   const double cost = objective.cost(before.known);
   std::ranges::stable_sort(choices, std::ranges::greater{}, &Choice::gain);
   std::size_t best = 0;
   double most = -std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < choices.size() && choices[i].gain > most; ++i) {
-    choices[i].gain = cost - objective.cost(updated(before, choices[i].information));
-    if (choices[i].gain > most) best = i, most = choices[i].gain;
+  for (std::size_t first = 0; first < choices.size() && choices[first].gain > most; first += kTogether) {
+    const std::size_t end = std::min(first + kTogether, choices.size());
+    for_each_index(end - first, threads, [&](std::size_t i) {
+      Choice& choice = choices[first + i];
+      choice.gain = cost - objective.cost(updated(before, choice.information));
+    });
+    for (std::size_t i = first; i < end; ++i) {
+      if (choices[i].gain > most) best = i, most = choices[i].gain;
+    }
   }
   return choices[best];
 }
@@ -249,7 +259,6 @@ NextViews next_best_views(const CalibrationProblem& problem, const CalibrationRe
       choices.push_back({std::move(board), {}});
     }
   }
-  const double cost = objective.cost(before.known);
   for_each_index(choices.size(), threads, [&](std::size_t i) {
     const Rigid3& pose = choices[i].board.rig_from_target;
     Information& information = choices[i].information;
@@ -260,10 +269,9 @@ NextViews next_best_views(const CalibrationProblem& problem, const CalibrationRe
     if (objective.needs_beams() && dot_px > 0.0) {
       information.of_beams = imagined_dots(calibration, *target, pose, dot_px);
     }
-    choices[i].gain = cost - objective.cost(updated(before, information));
   });
   for (int k = 0; k < count && !choices.empty(); ++k) {
-    const Choice& best = best_choice(objective, before, choices);
+    const Choice& best = best_choice(objective, before, threads, choices);
     if (!(best.gain > 0.0)) break;
     const Rigid3& pose = best.board.rig_from_target;
     const double figure = objective.figure(before.known);

@@ -11,7 +11,6 @@
 namespace raybundle {
 namespace {
 
-constexpr int kSamplesPerSide = 97;            // places along each side of an image that stand for its field
 constexpr double kMostPinholeField_rad = 2.8;  // 160 degrees: the rim is sampled 33 times as densely as the centre
 constexpr int kMostPixels = 1 << 26;
 
@@ -19,20 +18,20 @@ constexpr double degrees(double radians) { return radians * 180.0 / M_PI; }
 std::string rounded(double value) { return std::to_string(static_cast<long>(std::lround(value))); }
 
 // Places along a side of so many pixels, its edges among them: half a pixel beyond the middles of the outermost pixels.
-double from_edge_to_edge(int i, int pixels) { return i * static_cast<double>(pixels) / (kSamplesPerSide - 1) - 0.5; }
+double from_edge_to_edge(int i, int count, int pixels) { return i * static_cast<double>(pixels) / (count - 1) - 0.5; }
 
 // Middles of as many equal parts of it: each stands for the same share of the image.
-double middle_of_part(int i, int pixels) { return (i + 0.5) * pixels / kSamplesPerSide - 0.5; }
+double middle_of_part(int i, int count, int pixels) { return (i + 0.5) * pixels / count - 0.5; }
 
 // Unit rays of a grid of places in the image, in the rectified frame. At an edge that the lens does not reach, the
 // outermost pixel's middle stands for it.
-std::vector<Eigen::Vector3d> rays_of(const Camera& camera, const Eigen::Quaterniond& rectified_from_camera,
-                                     double (*place)(int, int)) {
+std::vector<Eigen::Vector3d> rays_of(const Camera& camera, const Eigen::Quaterniond& rectified_from_camera, int count,
+                                     double (*place)(int, int, int)) {
   const auto [width, height] = camera.size;
   std::vector<Eigen::Vector3d> rays;
-  for (int j = 0; j < kSamplesPerSide; ++j) {
-    for (int i = 0; i < kSamplesPerSide; ++i) {
-      const Eigen::Vector2d pixel(place(i, width), place(j, height));
+  for (int j = 0; j < count; ++j) {
+    for (int i = 0; i < count; ++i) {
+      const Eigen::Vector2d pixel(place(i, count, width), place(j, count, height));
       auto ray = ray_from_pixel(camera, pixel);
       if (!ray) {
         ray =
@@ -225,8 +224,10 @@ Rectification rectify(const RigCamera& left, const RigCamera& right, const Recti
   pair.rectified_from_right = (rectified_from_rig * right.camera_from_rig.rotation.conjugate()).normalized();
   pair.rig_from_rectified = {rectified_from_rig.conjugate(), left.camera_from_rig.inverse().translation};
 
-  std::vector<Eigen::Vector3d> rays = rays_of(left.camera, pair.rectified_from_left, from_edge_to_edge);
-  const std::vector<Eigen::Vector3d> right_rays = rays_of(right.camera, pair.rectified_from_right, from_edge_to_edge);
+  std::vector<Eigen::Vector3d> rays =
+      rays_of(left.camera, pair.rectified_from_left, options.samples_per_side, from_edge_to_edge);
+  const std::vector<Eigen::Vector3d> right_rays =
+      rays_of(right.camera, pair.rectified_from_right, options.samples_per_side, from_edge_to_edge);
   rays.insert(rays.end(), right_rays.begin(), right_rays.end());
   const Field field = field_of(rays);
   const RectifiedProjection projection = chosen_projection(options, field);
@@ -240,8 +241,10 @@ Rectification rectify(const RigCamera& left, const RigCamera& right, const Recti
                 left.name + " and " + right.name);
   }
   pair.camera = camera_for(projection, box, options, natural_focal_px);
-  pair.kept_left = kept_share(pair.camera, rays_of(left.camera, pair.rectified_from_left, middle_of_part));
-  pair.kept_right = kept_share(pair.camera, rays_of(right.camera, pair.rectified_from_right, middle_of_part));
+  pair.kept_left =
+      kept_share(pair.camera, rays_of(left.camera, pair.rectified_from_left, options.samples_per_side, middle_of_part));
+  pair.kept_right = kept_share(
+      pair.camera, rays_of(right.camera, pair.rectified_from_right, options.samples_per_side, middle_of_part));
   state_field(pair);
   return pair;
 }

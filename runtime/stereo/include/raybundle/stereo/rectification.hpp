@@ -15,10 +15,11 @@ namespace raybundle {
 /// What the rectified images should be; what is left out follows from the cameras.
 struct RectifyOptions {
   std::optional<RectifiedProjection> projection = {};  ///< else the advised one
-  int width_px = 0;          ///< 0: the centre is sampled as densely as in the denser camera image
-  int height_px = 0;         ///< 0: follows from the width and the field
-  double field_x_rad = 0.0;  ///< whole field of view along the baseline, about the z axis; 0: all that a camera sees
-  double field_y_rad = 0.0;  ///< the same across it
+  int width_px = 0;           ///< 0: the centre is sampled as densely as in the denser camera image
+  int height_px = 0;          ///< 0: follows from the width and the field
+  double field_x_rad = 0.0;   ///< whole field of view along the baseline, about the z axis; 0: all that a camera sees
+  double field_y_rad = 0.0;   ///< the same across it
+  int samples_per_side = 97;  ///< places along each side of an image that stand for its field; 2 at least
 };
 
 /// A stereo pair turned so that a point has the same row in both images.
