@@ -46,25 +46,23 @@ cv::Mat image_of(const TargetView& view, const ProblemCamera& camera) {
   return image.cols == camera.size.width && image.rows == camera.size.height ? image : cv::Mat();
 }
 
-// The brightness between four pixels; dark beyond the image.
+// The brightness between four pixels, whose weights are whole parts of 64.
 std::uint8_t brightness(const cv::Mat& image, float x, float y) {
-  constexpr std::uint8_t kBeyond = 40;
-  if (!(x >= 0 && y >= 0 && x < static_cast<float>(image.cols - 1) && y < static_cast<float>(image.rows - 1))) {
-    return kBeyond;
-  }
   const int column = static_cast<int>(x), row = static_cast<int>(y);
-  const float right = x - static_cast<float>(column), down = y - static_cast<float>(row);
-  const std::uint8_t* const upper = image.ptr(row) + column;
-  const std::uint8_t* const lower = upper + image.step;
-  const float above = static_cast<float>(upper[0]) + right * static_cast<float>(upper[1] - upper[0]);
-  const float below = static_cast<float>(lower[0]) + right * static_cast<float>(lower[1] - lower[0]);
-  return static_cast<std::uint8_t>(above + down * (below - above) + 0.5F);
+  const int right = static_cast<int>(64 * (x - static_cast<float>(column)));
+  const int down = static_cast<int>(64 * (y - static_cast<float>(row)));
+  const std::uint8_t* const upper = image.data + row * image.step[0] + column;
+  const std::uint8_t* const lower = upper + image.step[0];
+  const int above = 64 * upper[0] + right * (upper[1] - upper[0]);
+  const int below = 64 * lower[0] + right * (lower[1] - lower[0]);
+  return static_cast<std::uint8_t>((64 * above + down * (below - above) + 2048) / 4096);
 }
 
 // Where a pixel comes from is looked up in every eighth row and column, and between them is nearly linear.
 cv::Mat resampled(const cv::Mat& image, int width, int height,
                   const std::function<std::optional<Eigen::Vector2d>(int, int)>& source) {
   constexpr int kStep = 8;
+  constexpr std::uint8_t kBeyond = 40;        // the image it is dark
   const Eigen::Vector2d nowhere(-1e6, -1e6);  // as is all that lies between it and a pixel
   const int columns = (width - 1) / kStep + 2, rows = (height - 1) / kStep + 2;
   std::vector<Eigen::Vector2f> coarse;
@@ -73,7 +71,8 @@ cv::Mat resampled(const cv::Mat& image, int width, int height,
       coarse.push_back(source(kStep * column, kStep * row).value_or(nowhere).cast<float>());
     }
   }
-  cv::Mat result(height, width, CV_8U);
+  const auto most_x = static_cast<float>(image.cols - 1), most_y = static_cast<float>(image.rows - 1);
+  cv::Mat result(height, width, CV_8U, cv::Scalar(kBeyond));
   for (int v = 0; v < height; ++v) {
     std::uint8_t* const to = result.ptr(v);
     const float down = static_cast<float>(v % kStep) / kStep;
@@ -84,8 +83,8 @@ cv::Mat resampled(const cv::Mat& image, int width, int height,
     for (int first = 0; first < width; first += kStep) {
       const Eigen::Vector2f begin = at(first / kStep), step = (at(first / kStep + 1) - begin) / kStep;
       for (int k = 0; k < std::min(kStep, width - first); ++k) {
-        const auto along = static_cast<float>(k);
-        to[first + k] = brightness(image, begin.x() + along * step.x(), begin.y() + along * step.y());
+        const float x = begin.x() + static_cast<float>(k) * step.x(), y = begin.y() + static_cast<float>(k) * step.y();
+        if (x >= 0 && y >= 0 && x < most_x && y < most_y) to[first + k] = brightness(image, x, y);
       }
     }
   }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "beam_knowledge.hpp"
 #include "board_candidates.hpp"
@@ -36,21 +37,21 @@ std::vector<ViewData> imagined_views(const Calibration& calibration, int target,
   return views;
 }
 
-// (C^-1 + H)^-1 = U (1 + U' H U)^-1 U' for C = U U': no inverse of a covariance is formed.
-Eigen::MatrixXd updated(const Eigen::MatrixXd& root, const Eigen::MatrixXd& information) {
-  const Eigen::Index size = root.rows();
-  Eigen::MatrixXd inner = root.transpose() * (information * root), product;
-  inner.diagonal().array() += 1.0;
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero((size + 3) / 4 * 4, size);  // as gram() wants them
-  rows.topRows(size) = inner.llt().matrixL().solve(root.transpose());
-  gram(rows, product);
-  return product.selfadjointView<Eigen::Upper>();
-}
-
+// U of C = U U'.
 Eigen::MatrixXd root_of(const Eigen::MatrixXd& covariance) {
   const Eigen::LDLT<Eigen::MatrixXd> ldlt(covariance);
   const Eigen::MatrixXd lower = ldlt.matrixL();
   return ldlt.transpositionsP().transpose() * (lower * ldlt.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal());
+}
+
+// (C^-1 + H)^-1 = U (1 + U' H U)^-1 U': no inverse of a covariance is formed.
+Eigen::MatrixXd updated(const Eigen::MatrixXd& root, Eigen::MatrixXd whitened_information) {
+  const Eigen::Index size = root.rows();
+  whitened_information.diagonal().array() += 1.0;
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero((size + 3) / 4 * 4, size), product;  // as gram() wants them
+  rows.topRows(size) = whitened_information.llt().matrixL().solve(root.transpose());
+  gram(rows, product);
+  return product.selfadjointView<Eigen::Upper>();
 }
 
 // Of a corner, as the solve found it: its stated sigma and how far residuals exceed such ones.
@@ -62,31 +63,47 @@ double corner_sigma(const CalibrationProblem& problem, const CalibrationResult& 
   return median(sigmas) * std::sqrt(result.variance_factor);
 }
 
-// What is known of the cameras and, where a laser's depth is required, of its beams; or what a view adds to it.
+// What is known of the cameras and, where a laser's depth is required, of its beams.
 struct Knowledge {
   Covariance parameters;
   BeamMatrices beams;
 };
 
+// What views add to it, as U' H U, so that it adds up.
 struct Information {
   Eigen::MatrixXd of_parameters;
   BeamMatrices of_beams;
-};
 
-// What is known with its roots, which many updates share.
-struct Before {
-  Knowledge known;
-  Eigen::MatrixXd root = root_of(known.parameters.matrix);
-};
-
-Knowledge updated(const Before& before, const Information& added) {
-  Knowledge result = before.known;
-  if (added.of_parameters.size() > 0) result.parameters.matrix = updated(before.root, added.of_parameters);
-  for (std::size_t b = 0; b < added.of_beams.size(); ++b) {
-    if (!added.of_beams[b].isZero(0.0)) result.beams[b] = updated(root_of(result.beams[b]), added.of_beams[b]);
+  Information& operator+=(const Information& other) {
+    if (of_parameters.size() == 0) of_parameters.setZero(other.of_parameters.rows(), other.of_parameters.cols());
+    of_parameters += other.of_parameters;
+    of_beams.resize(other.of_beams.size(), Eigen::Matrix4d::Zero());
+    for (std::size_t b = 0; b < of_beams.size(); ++b) of_beams[b] += other.of_beams[b];
+    return *this;
   }
-  return result;
-}
+};
+
+// What is known without any of the views, and its roots U.
+struct Start {
+  Knowledge known;
+  Eigen::MatrixXd root;
+  BeamMatrices beam_roots;
+
+  explicit Start(const Calibration& calibration)
+      : known{calibration.covariance, calibration.laser ? stated_beams(calibration) : BeamMatrices{}},
+        root(root_of(known.parameters.matrix)) {
+    for (const Eigen::Matrix4d& beam : known.beams) beam_roots.emplace_back(root_of(beam));
+  }
+
+  Knowledge with(const Information& added) const {
+    Knowledge result = known;
+    if (added.of_parameters.size() > 0) result.parameters.matrix = updated(root, added.of_parameters);
+    for (std::size_t b = 0; b < added.of_beams.size(); ++b) {
+      if (!added.of_beams[b].isZero(0.0)) result.beams[b] = updated(beam_roots[b], added.of_beams[b]);
+    }
+    return result;
+  }
+};
 
 // How projections all over a camera's image depend on its parameters: looked at once, for hundreds of covariances.
 struct ImageDerivatives {
@@ -116,7 +133,7 @@ struct ImageDerivatives {
   // Of each place, as largest_sigma().
   Eigen::ArrayXd largest_variances(const Covariance& covariance) const {
     const Eigen::MatrixXd of_lens = covariance.block(parameters);
-    const Eigen::MatrixXd along_u = of_u * of_lens, along_v = of_v * of_lens;
+    const Eigen::MatrixXd along_u = of_u.lazyProduct(of_lens), along_v = of_v.lazyProduct(of_lens);
     const Eigen::ArrayXd uu = along_u.cwiseProduct(of_u).rowwise().sum();
     const Eigen::ArrayXd vv = along_v.cwiseProduct(of_v).rowwise().sum();
     const Eigen::ArrayXd uv = along_u.cwiseProduct(of_v).rowwise().sum();
@@ -219,17 +236,19 @@ std::optional<int> usual_target(const CalibrationProblem& problem) {
 
 // Gains hardly ever grow as views are added, so one that was too small in the round before need not be looked at again
 // (lazy greedy selection, Minoux 1978).
-const Choice& best_choice(const Objective& objective, const Before& before, int threads, std::vector<Choice>& choices) {
+const Choice& best_choice(const Objective& objective, const Start& start, const Information& added, int threads,
+                          std::vector<Choice>& choices) {
   constexpr std::size_t kTogether = 32;  // are looked at, whatever the number of threads
-  const double cost = objective.cost(before.known);
+  const double cost = objective.cost(start.with(added));
   std::ranges::stable_sort(choices, std::ranges::greater{}, &Choice::gain);
   std::size_t best = 0;
   double most = -std::numeric_limits<double>::infinity();
   for (std::size_t first = 0; first < choices.size() && choices[first].gain > most; first += kTogether) {
     const std::size_t end = std::min(first + kTogether, choices.size());
     for_each_index(end - first, threads, [&](std::size_t i) {
-      Choice& choice = choices[first + i];
-      choice.gain = cost - objective.cost(updated(before, choice.information));
+      Information with_this = added;
+      with_this += choices[first + i].information;
+      choices[first + i].gain = cost - objective.cost(start.with(with_this));
     });
     for (std::size_t i = first; i < end; ++i) {
       if (choices[i].gain > most) best = i, most = choices[i].gain;
@@ -250,7 +269,7 @@ NextViews next_best_views(const CalibrationProblem& problem, const CalibrationRe
   const std::optional<int> target = usual_target(problem);
   if (!target) return next;
   const double corner_px = corner_sigma(problem, result), dot_px = dot_sigma(problem, result);
-  Before before{{calibration.covariance, calibration.laser ? stated_beams(calibration) : BeamMatrices{}}};
+  const Start start(calibration);
   const std::vector<CameraCoverage> seen = coverage(problem, result);
   std::vector<Choice> choices;
   for (int c = 0; c < static_cast<int>(calibration.cameras.size()); ++c) {
@@ -264,19 +283,26 @@ NextViews next_best_views(const CalibrationProblem& problem, const CalibrationRe
     Information& information = choices[i].information;
     if (objective.needs_parameters()) {
       const std::vector<ViewData> views = imagined_views(calibration, *target, pose, corner_px);
-      information.of_parameters = pose_information(calibration, views, pose);
+      const Eigen::MatrixXd added = pose_information(calibration, views, pose);
+      information.of_parameters = start.root.transpose() * (added * start.root);
     }
     if (objective.needs_beams() && dot_px > 0.0) {
       information.of_beams = imagined_dots(calibration, *target, pose, dot_px);
+      for (std::size_t b = 0; b < start.beam_roots.size(); ++b) {
+        const Eigen::Matrix4d& root = start.beam_roots[b];
+        information.of_beams[b] = root.transpose() * information.of_beams[b] * root;
+      }
     }
   });
+  Information added;
+  double figure = objective.figure(start.known);
   for (int k = 0; k < count && !choices.empty(); ++k) {
-    const Choice& best = best_choice(objective, before, threads, choices);
+    const Choice& best = best_choice(objective, start, added, threads, choices);
     if (!(best.gain > 0.0)) break;
     const Rigid3& pose = best.board.rig_from_target;
-    const double figure = objective.figure(before.known);
-    before = Before{updated(before, best.information)};
-    NextView view{best.board.camera, *target, pose, best.board.text, figure, objective.figure(before.known), {}};
+    added += best.information;
+    const double before = std::exchange(figure, objective.figure(start.with(added)));
+    NextView view{best.board.camera, *target, pose, best.board.text, before, figure, {}};
     for (const RigCamera& camera : calibration.cameras) {
       view.outlines.push_back(outline_in_image(camera, calibration.targets[*target].target, pose));
     }
