@@ -34,7 +34,7 @@ std::string page_of(int views) {
   const CalibrationProblem problem = testing::synthetic_world(options).problem;
   const CalibrationResult result = calibrate(problem);
   ReportExtra extra;
-  extra.sections = apps::sections_of(apps::judge(problem, result, {}), result);
+  extra.sections = apps::sections_of(apps::judge(problem, result, {}, 1), result);
   return apps::report_page(text_from_report(problem, result, extra));
 }
 
