@@ -16,7 +16,7 @@ namespace raybundle {
 namespace {
 
 constexpr std::size_t kPlainCorners = 16;   ///< of a view, for the pose that is tried first
-constexpr std::size_t kJudgedCorners = 48;  ///< of a view, for whether that one is right
+constexpr std::size_t kJudgedCorners = 32;  ///< of a view, for whether that one is right
 
 constexpr double kSettled = 1e-3;  ///< of the cost: the bundle does the rest
 

@@ -30,7 +30,6 @@ std::vector<std::size_t> thinned_indices(const PointsInView& view, std::size_t c
     std::iota(chosen.begin(), chosen.end(), 0u);
     return chosen;
   }
-  chosen.reserve(count + 4);
   std::array<std::size_t, 4> extreme{};  // of x + y and x - y
   std::array<double, 4> reach;
   reach.fill(-std::numeric_limits<double>::infinity());
@@ -43,15 +42,19 @@ std::vector<std::size_t> thinned_indices(const PointsInView& view, std::size_t c
       extreme[k] = farther ? i : extreme[k];
     }
   }
-  chosen.assign(extreme.begin(), extreme.end());
+  thread_local std::vector<char> taken;
+  taken.assign(size, 0);
+  for (const std::size_t i : extreme) taken[i] = 1;
   double place = 0.0;
   for (std::size_t k = 0; k < count; ++k) {
     place += 0.6180339887498949;
     if (place >= 1.0) place -= 1.0;
-    chosen.push_back(static_cast<std::size_t>(place * static_cast<double>(size)));
+    taken[static_cast<std::size_t>(place * static_cast<double>(size))] = 1;
   }
-  std::ranges::sort(chosen);
-  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+  chosen.reserve(count + 4);
+  for (std::size_t i = 0; i < size; ++i) {
+    if (taken[i]) chosen.push_back(i);
+  }
   return chosen;
 }
 
