@@ -39,6 +39,6 @@ struct NextViews {
 ///                     laser's dots follow what the board would tell of the beams that meet it, the cameras staying as
 ///                     well known as they are.
 NextViews next_best_views(const CalibrationProblem& problem, const CalibrationResult& result,
-                          const std::optional<Requirement>& requirement, int count = 3, int threads = 1);
+                          const std::optional<Requirement>& requirement, int count, int threads = 1);
 
 }  // namespace raybundle
