@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "view_data.hpp"
 #include "view_rows.hpp"
@@ -12,47 +13,89 @@ namespace raybundle {
 
 namespace {
 
-// @param basis  of the view's target, as shape_basis()
-void gather(const CalibrationProblem& problem, const BundleState& state, const std::vector<Eigen::Vector3d>& basis,
-            ViewData& data) {
-  const TargetView& view = problem.views[data.view];
-  const std::vector<ObservationFate>& fates = state.fates[data.view];
-  const Target& target = problem.targets[view.target];
-  const auto used = std::ranges::count(fates, ObservationFate::kUsed);
-  data.camera = view.camera;
-  data.target = view.target;
-  data.pose = state.pose_of_view[data.view];
-  data.model = state.cameras[view.camera].model;
-  data.x_in_target.resize(used, 3);
-  data.nearness.resize(used);
-  data.shape_basis.resize(used, 3);
+// Which of its target's points a view uses, in the order of its observations.
+std::vector<int> used_points(const Target& target, const TargetView& view, const std::vector<ObservationFate>& fates) {
+  std::vector<int> used;
+  used.reserve(fates.size());
+  for (std::size_t i = 0; i < fates.size(); ++i) {
+    if (fates[i] != ObservationFate::kUsed) continue;
+    used.push_back(static_cast<int>(target.find(view.observations[i].point_id) - target.points.data()));
+  }
+  return used;
+}
+
+// Boards that are seen whole show the same points in every view.
+class PointsInUse {
+ public:
+  explicit PointsInUse(const CalibrationProblem& problem) : problem_(problem), last_(problem.targets.size()) {
+    for (const Target& target : problem.targets) bases_.push_back(shape_basis(target));
+  }
+
+  std::shared_ptr<const BoardPoints> of(const TargetView& view, const std::vector<ObservationFate>& fates) {
+    const Target& target = problem_.targets[view.target];
+    Last& last = last_[view.target];
+    std::vector<int> used = used_points(target, view, fates);
+    if (!last.points || used != last.used) {
+      last.points = std::make_shared<BoardPoints>(target, bases_[view.target], used);
+      last.used = std::move(used);
+    }
+    return last.points;
+  }
+
+ private:
+  struct Last {
+    std::vector<int> used;
+    std::shared_ptr<const BoardPoints> points;
+  };
+  const CalibrationProblem& problem_;
+  std::vector<std::vector<Eigen::Vector3d>> bases_;  // of the targets
+  std::vector<Last> last_;                           // of the targets
+};
+
+void gather(const TargetView& view, const std::vector<ObservationFate>& fates, ViewData& data) {
+  const Eigen::Index used = data.points->nearness.size();
   data.pixel.resize(used, 2);
   data.inverse_sigma.resize(used);
   Eigen::Index i = 0;
   for (std::size_t k = 0; k < view.observations.size(); ++k) {
     if (fates[k] != ObservationFate::kUsed) continue;
-    const Observation& observation = view.observations[k];
-    const TargetPoint* point = target.find(observation.point_id);
-    data.x_in_target.row(i) = point->x_in_target.transpose();
-    data.nearness[i] = point->infinitely_far ? 0.0 : 1.0;
-    data.shape_basis.row(i) = basis[point - target.points.data()].transpose();
-    data.pixel.row(i) = observation.pixel.transpose();
-    data.inverse_sigma[i++] = 1.0 / observation.sigma_px;
+    data.pixel.row(i) = view.observations[k].pixel.transpose();
+    data.inverse_sigma[i++] = 1.0 / view.observations[k].sigma_px;
   }
 }
 
 }  // namespace
 
+BoardPoints::BoardPoints(const Target& target, const std::vector<Eigen::Vector3d>& basis, const std::vector<int>& used)
+    : x_in_target(used.size(), 3), nearness(used.size()), shape_basis(used.size(), 3) {
+  for (Eigen::Index i = 0; i < nearness.size(); ++i) {
+    const TargetPoint& point = target.points[used[i]];
+    x_in_target.row(i) = point.x_in_target.transpose();
+    nearness[i] = point.infinitely_far ? 0.0 : 1.0;
+    shape_basis.row(i) = basis[used[i]].transpose();
+  }
+}
+
 std::vector<ViewData> used_views(const CalibrationProblem& problem, const BundleState& state, Workers& workers) {
-  std::vector<std::vector<Eigen::Vector3d>> bases;
-  for (const Target& target : problem.targets) bases.push_back(shape_basis(target));
+  PointsInUse points(problem);
   std::vector<ViewData> views;
   for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
     const bool any = std::ranges::find(state.fates[v], ObservationFate::kUsed) != state.fates[v].end();
-    if (state.pose_of_view[v] >= 0 && any) views.emplace_back().view = v;
+    if (state.pose_of_view[v] < 0 || !any) continue;
+    const TargetView& view = problem.views[v];
+    views.push_back({.view = v,
+                     .camera = view.camera,
+                     .target = view.target,
+                     .pose = state.pose_of_view[v],
+                     .model = state.cameras[view.camera].model,
+                     .points = points.of(view, state.fates[v]),
+                     .pixel = {},
+                     .inverse_sigma = {}});
   }
-  workers.for_each(static_cast<int>(views.size()),
-                   [&](int i) { gather(problem, state, bases[problem.views[views[i].view].target], views[i]); });
+  workers.for_each(static_cast<int>(views.size()), [&](int i) {
+    const int v = views[i].view;
+    gather(problem.views[v], state.fates[v], views[i]);
+  });
   return views;
 }
 

@@ -16,7 +16,7 @@ namespace {
 struct Corners {
   Eigen::Matrix<double, Eigen::Dynamic, 3> offset;
   Eigen::VectorXd weight;    // 1/sigma, later with the root of ρ'
-  Eigen::VectorXd nearness;  // as ViewData
+  Eigen::VectorXd nearness;  // as BoardPoints
 };
 
 // What the model says of corner i, or of the Lanes::kCount from there on, into the columns where it stays: plane point,
@@ -26,10 +26,10 @@ template <CameraModel M, typename Number>
                                               const MotionMap& map, Corners& corners, ViewRows& rows) {
   constexpr int n = kShapeSize<M>;
   Number x[3];
-  for (int k = 0; k < 3; ++k) load(&view.x_in_target(i, k), x[k]);
+  for (int k = 0; k < 3; ++k) load(&view.points->x_in_target(i, k), x[k]);
   for (int k = 0; k < 3; ++k) {
     Number basis;
-    load(&view.shape_basis(i, k), basis);
+    load(&view.points->shape_basis(i, k), basis);
     x[2] += basis * Number(point.shape[k]);
   }
   Number nearness;
@@ -140,10 +140,10 @@ void differentiate(double focal, const Corners& corners, int model_shape_size, E
 
 // Columns of the board's shape, which moves points along the board's normal.
 void differentiate_shape(const ViewData& view, const Eigen::Vector3d& normal, int motion, Eigen::MatrixXd& side) {
-  const Eigen::Index count = view.shape_basis.rows();
+  const Eigen::Index count = view.pixel.rows();
   const Eigen::VectorXd along_normal = side.middleCols<3>(motion + 3).topRows(count) * normal;
   for (int k = 0; k < 3; ++k) {
-    side.col(motion + 6 + k).head(count) = along_normal.cwiseProduct(view.shape_basis.col(k));
+    side.col(motion + 6 + k).head(count) = along_normal.cwiseProduct(view.points->shape_basis.col(k));
   }
 }
 
@@ -163,7 +163,7 @@ void resize(const ViewData& view, const ViewBlockOptions& options, int model_sha
   corners.weight.head(rows.corners) = view.inverse_sigma;
   corners.weight.tail(padded - rows.corners).setZero();
   corners.nearness.resize(padded);
-  corners.nearness.head(rows.corners) = view.nearness;
+  corners.nearness.head(rows.corners) = view.points->nearness;
   corners.nearness.tail(padded - rows.corners).setZero();
 }
 

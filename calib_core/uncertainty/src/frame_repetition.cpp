@@ -34,8 +34,8 @@ void append(const ViewData& view, const Eigen::VectorXd& residual, Frame& frame)
   const auto before = static_cast<Eigen::Index>(frame.size());
   frame.reserve(frame.size() + static_cast<std::size_t>(view.pixel.rows()));
   for (Eigen::Index i = 0; i < view.pixel.rows(); ++i) {
-    frame.push_back({view.camera, view.target, view.x_in_target(i, 0), view.x_in_target(i, 1), view.pixel.row(i),
-                     residual.segment<2>(2 * i), 2 * (before + i)});
+    frame.push_back({view.camera, view.target, view.points->x_in_target(i, 0), view.points->x_in_target(i, 1),
+                     view.pixel.row(i), residual.segment<2>(2 * i), 2 * (before + i)});
   }
 }
 

@@ -11,19 +11,6 @@
 namespace raybundle {
 namespace {
 
-ViewData view_of(int camera, int target, ModelId model, Eigen::Index rows) {
-  ViewData view;
-  view.camera = camera;
-  view.target = target;
-  view.model = model;
-  view.x_in_target.resize(rows, 3);
-  view.nearness.setOnes(rows);
-  view.shape_basis.resize(rows, 3);
-  view.pixel.setZero(rows, 2);
-  view.inverse_sigma.resize(rows);
-  return view;
-}
-
 constexpr Eigen::Index kPoseColumns = 6;
 constexpr double kUnseen = 1e-12;  // of the largest: directions of a pose that its corners do not tell
 
@@ -103,11 +90,16 @@ ViewData used_corners(const CalibrationProblem& problem, const CalibrationResult
   const TargetView& seen = problem.views[view];
   const ViewResult& solved = result.views[view];
   const Target& target = problem.targets[seen.target];
-  const std::vector<Eigen::Vector3d> basis = shape_basis(target);
-  const auto used = std::ranges::count(solved.fates, ObservationFate::kUsed);
-  ViewData data = view_of(camera, seen.target, problem.cameras[seen.camera].model, used);
-  data.view = view;
-  data.pose = solved.pose;
+  const auto count = std::ranges::count(solved.fates, ObservationFate::kUsed);
+  ViewData data{.view = view,
+                .camera = camera,
+                .target = seen.target,
+                .pose = solved.pose,
+                .model = problem.cameras[seen.camera].model,
+                .points = {},
+                .pixel = Eigen::MatrixX2d(count, 2),
+                .inverse_sigma = Eigen::ArrayXd(count)};
+  std::vector<int> used;  // of the target's points
   Eigen::Index row = 0;
   for (std::size_t i = 0; i < seen.observations.size(); ++i) {
     if (solved.fates[i] != ObservationFate::kUsed) continue;
@@ -116,11 +108,11 @@ ViewData used_corners(const CalibrationProblem& problem, const CalibrationResult
     if (solved.symmetry >= 0) {
       point = target.find(target.symmetries[solved.symmetry].ids[point]) - target.points.data();
     }
-    data.x_in_target.row(row) = target.points[point].x_in_target.transpose();
-    data.shape_basis.row(row) = basis[point].transpose();
+    used.push_back(static_cast<int>(point));
     data.pixel.row(row) = observation.pixel.transpose();
     data.inverse_sigma[row++] = 1.0 / observation.sigma_px;
   }
+  data.points = std::make_shared<BoardPoints>(target, shape_basis(target), used);
   return data;
 }
 
@@ -128,21 +120,22 @@ ViewData imagined_corners(const Calibration& calibration, int camera, int target
                           double sigma_px) {
   const RigCamera& lens = calibration.cameras[camera];
   const CalibratedTarget& board = calibration.targets[target];
-  const std::vector<Eigen::Vector3d> basis = shape_basis(board.target);
   const std::vector<Eigen::Vector3d> surface = points_on_surface(board.target, board.shape);
   const Rigid3 camera_from_target = lens.camera_from_rig * rig_from_target;
-  std::vector<std::size_t> seen;
+  std::vector<int> seen;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     const auto pixel = pixel_from_ray(lens.camera, camera_from_target * surface[i]);
-    if (pixel && lens.camera.size.contains(*pixel)) seen.push_back(i);
+    if (pixel && lens.camera.size.contains(*pixel)) seen.push_back(static_cast<int>(i));
   }
-  ViewData data = view_of(camera, target, lens.camera.model, static_cast<Eigen::Index>(seen.size()));
-  data.inverse_sigma.setConstant(1.0 / sigma_px);
-  for (std::size_t k = 0; k < seen.size(); ++k) {
-    data.x_in_target.row(static_cast<Eigen::Index>(k)) = board.target.points[seen[k]].x_in_target.transpose();
-    data.shape_basis.row(static_cast<Eigen::Index>(k)) = basis[seen[k]].transpose();
-  }
-  return data;
+  const auto count = static_cast<Eigen::Index>(seen.size());
+  return {.view = 0,
+          .camera = camera,
+          .target = target,
+          .pose = 0,
+          .model = lens.camera.model,
+          .points = std::make_shared<BoardPoints>(board.target, shape_basis(board.target), seen),
+          .pixel = Eigen::MatrixX2d::Zero(count, 2),
+          .inverse_sigma = Eigen::ArrayXd::Constant(count, 1.0 / sigma_px)};
 }
 
 }  // namespace raybundle

@@ -3,11 +3,23 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "raybundle/bundle/bundle.hpp"
 
 namespace raybundle {
+
+/// The points of a board that are used in a view, or in several that use the same; arrays have one row for each of them.
+struct BoardPoints {
+  Eigen::MatrixX3d x_in_target;  ///< on the ideal board [m]
+  Eigen::ArrayXd nearness;       ///< what a translation counts: 1, but 0 for points that are infinitely far
+  Eigen::MatrixX3d shape_basis;  ///< as shape_basis(target)
+
+  /// @param basis  shape_basis(target)
+  /// @param used   which of target.points
+  BoardPoints(const Target& target, const std::vector<Eigen::Vector3d>& basis, const std::vector<int>& used);
+};
 
 /// The used observations of one board view, gathered once; arrays have one row for each of them.
 struct ViewData {
@@ -16,9 +28,7 @@ struct ViewData {
   int target = 0;
   int pose = 0;
   ModelId model;
-  Eigen::MatrixX3d x_in_target;  ///< on the ideal board [m]
-  Eigen::ArrayXd nearness;       ///< what a translation counts: 1, but 0 for points that are infinitely far
-  Eigen::MatrixX3d shape_basis;  ///< as shape_basis(target)
+  std::shared_ptr<const BoardPoints> points;
   Eigen::MatrixX2d pixel;        ///< measured [px]
   Eigen::ArrayXd inverse_sigma;  ///< [1/px]
 };
