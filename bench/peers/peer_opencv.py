@@ -13,7 +13,7 @@ import numpy as np
 
 import problem as bench
 
-cv2.setNumThreads(1)
+cv2.setNumThreads(bench.THREADS)
 focal_given = "focal" in sys.argv[3:]
 
 

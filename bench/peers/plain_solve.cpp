@@ -33,18 +33,18 @@ OneCamera one_camera(const CalibrationProblem& problem, std::size_t camera) {
 }
 
 // Copies the problem only where a lens has a prior.
-void solve_with_priors(const CalibrationProblem& problem, BundleState& state) {
+void solve_with_priors(const CalibrationProblem& problem, BundleState& state, int threads) {
   if (std::ranges::none_of(problem.cameras, can_have_pole, &ProblemCamera::model)) {
-    solve_bundle(problem, state);
+    solve_bundle(problem, state, {.threads = threads});
     return;
   }
   CalibrationProblem weighed = problem;
   weigh_lens_priors(weighed, state);
-  solve_bundle(weighed, state);
+  solve_bundle(weighed, state, {.threads = threads});
 }
 
-BundleState solve_one(const CalibrationProblem& problem) {
-  const CameraStart start = initialize_camera(problem, 0);
+BundleState solve_one(const CalibrationProblem& problem, int threads) {
+  const CameraStart start = initialize_camera(problem, 0, threads);
   BundleState state;
   state.cameras = {start.camera};
   state.camera_from_rig = {Rigid3{}};
@@ -55,19 +55,19 @@ BundleState solve_one(const CalibrationProblem& problem) {
     state.poses.push_back({problem.views[v].frame, problem.views[v].target, *start.camera_from_target[v]});
   }
   mark_projectable(problem, state);
-  solve_with_priors(problem, state);
+  solve_with_priors(problem, state, threads);
   return state;
 }
 
 }  // namespace
 
-BundleState plain_solve(const CalibrationProblem& problem) {
-  if (problem.cameras.size() == 1) return solve_one(problem);
+BundleState plain_solve(const CalibrationProblem& problem, int threads) {
+  if (problem.cameras.size() == 1) return solve_one(problem, threads);
   BundleState together;
   std::vector<std::optional<Rigid3>> camera_from_target(problem.views.size());
   for (std::size_t c = 0; c < problem.cameras.size(); ++c) {
     const OneCamera one = one_camera(problem, c);
-    const BundleState alone = solve_one(one.problem);
+    const BundleState alone = solve_one(one.problem, threads);
     together.cameras.push_back(alone.cameras[0]);
     for (std::size_t v = 0; v < one.views.size(); ++v) {
       const int pose = alone.pose_of_view[v];
@@ -80,7 +80,7 @@ BundleState plain_solve(const CalibrationProblem& problem) {
   together.pose_of_view = rig.pose_of_view;
   together.shapes.resize(problem.targets.size());
   mark_projectable(problem, together);
-  solve_with_priors(problem, together);
+  solve_with_priors(problem, together, threads);
   return together;
 }
 

@@ -6,6 +6,7 @@ A peer's script calls run(asked, prepare, solve, cameras). Needs numpy alone, so
 """
 
 import json
+import os
 import pathlib
 import resource
 import sys
@@ -14,6 +15,8 @@ from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
+
+THREADS = int(os.environ.get("OMP_NUM_THREADS", "1"))  # that a peer may use
 
 
 @dataclass

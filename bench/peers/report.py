@@ -45,7 +45,7 @@ def time_cell(by_peer, peer):
         return ""
     if "failed" in runs[0]:
         return runs[0]["failed"] if runs[0]["failed"].startswith(">") else "failed"
-    seconds, ours = bars.median(by_peer, peer, "cpu_s"), bars.median(by_peer, "raybundle", "cpu_s")
+    seconds, ours = bars.median(by_peer, peer, bars.time_of(peer)), bars.median(by_peer, "raybundle", "cpu_s")
     return f"{seconds_text(seconds)} ({ratio_text(seconds / ours)})" if ours else seconds_text(seconds)
 
 
@@ -110,7 +110,8 @@ def plot(results, path):
             if name.split(" ")[0] != family or len(name.split(" ")) != 2:
                 continue
             for peer in by_peer:
-                seconds = bars.median(by_peer, peer, "cpu_s") if peer != "truth" else None
+                one_core = peer != "truth" and not peer.endswith(run_peers.TWO_CORES)
+                seconds = bars.median(by_peer, peer, "cpu_s") if one_core else None
                 if seconds:
                     lines.setdefault(peer, []).append((int(name.split(" ")[1]), seconds))
         for peer, points in lines.items():
@@ -147,7 +148,7 @@ INTRODUCTION = """# Benchmarks beside the peers
 
 Written by `./dev bench peers`{full} on {machine}. The machine may have had other work: figures are **processor time** of
 one calibration on one thread, from observations in memory, start values included (pycolmap has none: it is given a start
-near the truth); medians of runs in which the peers took turns, each run a process of its own; in brackets the ratio to
+near the truth), and where a name says two cores, what passed on the wall; medians of runs in which the peers took turns, each run a process of its own; in brackets the ratio to
 `raybundle`. `>` means that the solve was stopped, or by its smaller sizes would have been.
 
 Problems come from one generator (`bench/peers/generate_problem.cpp`): boards of 14 × 10 corners, 25 mm, seen whole, 0.3 px

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Raybundle and its peers on the same observations: time, memory, true error. `./dev bench peers` calls it.
 
-Every solve is a process of its own, on one thread, and the peers take turns. A peer that is too slow for a size is left
+Every solve is a process of its own, on one thread unless its name says two cores, and the peers take turns. A peer that is too slow for a size is left
 out of the larger ones, and the table says so. Results lie in build/peers/results.json; report.py makes the page of them.
 """
 
@@ -24,7 +24,7 @@ import problem
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 WORK = ROOT / "build" / "peers"
-ONE_THREAD = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
+TWO_CORES = ", two cores"  # ends the name of a peer that may use them; its figure is the time on the wall
 DEBIAN = "/usr/bin/python3"
 PYPI = str(WORK / "venv" / "bin" / "python")
 
@@ -57,26 +57,37 @@ def peers(build):
     And the most frames that it is given without --full, where it alone would take longer than all others together.
     """
     ours, script = str(build / "solve_raybundle"), lambda name: str(HERE / name)
+    barred = r"^(kb130|rational70|stereo_kb130|rig4_kb130) 200$"  # where bars of speed stand
     every, plain = ".", r"^(kb130|kb150|rational70) \d+$"
     most = 10**6
     return {
         "raybundle": ([ours], [], every, most),
         "raybundle, plain": ([ours], ["--plain"], r"^\w+ \d+$", most),
+        "raybundle, plain" + TWO_CORES: ([ours], ["--plain", "--threads", "2"], barred, most),
         "raybundle, flat board": ([ours], ["--estimate-shape", "false"], every, most),
         "raybundle program": ([sys.executable, script("peer_program.py"), str(build / "raybundle")], [], every, most),
         "opencv 4.6": ([DEBIAN, script("peer_opencv.py")], [], "^(?!rig)", 200),
+        "opencv 4.6" + TWO_CORES: ([DEBIAN, script("peer_opencv.py")], [], "^kb130 200$", 200),
         "opencv 4.6, focal given": ([DEBIAN, script("peer_opencv.py")], ["focal"], r"^(stereo_)?kb\d+ \d+$", 50),
         "opencv 5": ([PYPI, script("peer_opencv.py")], [], every, 200),
+        "opencv 5" + TWO_CORES: ([PYPI, script("peer_opencv.py")], [], "^(kb130|rational70) 200$", 200),
         "mrcal opencv8": ([DEBIAN, script("peer_mrcal.py")], ["opencv8"], every, 200),
+        "mrcal opencv8" + TWO_CORES: ([DEBIAN, script("peer_mrcal.py")], ["opencv8"], "^(kb130|rational70) 200$", 200),
         "mrcal splined": ([DEBIAN, script("peer_mrcal.py")], ["splined"], r"^kb\d+ \d+$", 50),
         "mrcal program": ([sys.executable, script("peer_mrcal_program.py")], [], r"^rational70 \d+$", 50),
         "pycolmap": ([PYPI, script("peer_pycolmap.py")], [], every, 200),
+        "pycolmap" + TWO_CORES: ([PYPI, script("peer_pycolmap.py")], [], barred, 200),
         "lensboy": ([PYPI, script("peer_lensboy.py")], [], plain + r"|^(kb130|rational70) \d+ bent\+outliers", 200),
         "multical": ([str(WORK / "multical" / "bin" / "python"), script("peer_multical.py")], [], "^rational70", 50),
     }
 
 
-def run_once(command, limit_s):
+def threads_in_environment(peer):
+    count = "2" if peer.endswith(TWO_CORES) else "1"
+    return {name: count for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
+
+
+def run_once(command, limit_s, peer=""):
     """One solve: the figures that the peer wrote, or {"failed": why}. The limit is of processor time."""
     with tempfile.TemporaryDirectory(dir=WORK) as folder:
         result = pathlib.Path(folder) / "result.json"
@@ -85,7 +96,7 @@ def run_once(command, limit_s):
         try:
             done = subprocess.run(
                 [*command[0], str(result), *command[1]],
-                env={**os.environ, **ONE_THREAD},
+                env={**os.environ, **threads_in_environment(peer)},
                 capture_output=True,
                 timeout=10 * limit_s,
                 cwd=folder,
@@ -150,7 +161,7 @@ def measure(name, folder, results, options):
             if not runs and predicted is not None and predicted > options.limit_s:
                 by_peer[peer] = [{"failed": f"> {options.limit_s:.0f} s (foreseen)"}]
                 continue
-            run = run_once(([*command, str(folder)], arguments), options.limit_s)
+            run = run_once(([*command, str(folder)], arguments), options.limit_s, peer)
             add_extrinsics(run, folder)
             runs.append(run)
             spent[peer] = spent.get(peer, 0) + run["process_cpu_s"]

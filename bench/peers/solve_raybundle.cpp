@@ -57,7 +57,7 @@ json cameras_json(const bench::PeerProblem& made, const std::vector<Camera>& fou
 void solve(const CalibrationProblem& problem, const CalibrateOptions& options, bool plain, std::vector<Camera>& cameras,
            std::vector<Rigid3>& places, json& told) {
   if (plain) {
-    const BundleState state = bench::plain_solve(problem);
+    const BundleState state = bench::plain_solve(problem, options.threads);
     cameras = state.cameras;
     places = state.camera_from_rig;
     return;

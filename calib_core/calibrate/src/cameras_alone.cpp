@@ -205,8 +205,8 @@ CamerasAlone solve_cameras_alone(CalibrationProblem& problem, const CalibrateOpt
   for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) cameras.emplace_back(problem, c);
   {
     const Stopwatch stopwatch(stages, "start");
-    for_each_camera(cameras, options, [](LoneCamera& camera, const CalibrateOptions&) {
-      camera.start = initialize_camera(camera.problem(), 0);
+    for_each_camera(cameras, options, [](LoneCamera& camera, const CalibrateOptions& of_one) {
+      camera.start = initialize_camera(camera.problem(), 0, of_one.threads);
     });
   }
   const Stopwatch stopwatch(stages, "solve");

@@ -12,6 +12,7 @@
 #include "model_fit.hpp"
 #include "parallel_boards.hpp"
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/threads.hpp"
 #include "view_pose.hpp"
 #include "view_screen.hpp"
 
@@ -244,28 +245,34 @@ struct PosedViews {
 };
 
 /// Poses of all views under a lens; the threshold follows how well the lens fits.
-PosedViews posed_views(ModelId model, const LensVector& parameters, const CameraViews& views) {
+PosedViews posed_views(ModelId model, const LensVector& parameters, const CameraViews& views, int threads) {
   const LensFunctions lens = lens_functions(model);
   PosedViews posed;
   posed.lens = parameters;
-  for (std::size_t i = 0; i < views.corners.size(); ++i) {
-    posed.poses.push_back(i < views.usable_views ? view_pose(lens, parameters.data(), views.corners[i], 2 * kFit_px)
-                                                 : std::nullopt);
-  }
+  posed.poses.resize(views.corners.size());
+  posed.reasons.resize(views.corners.size());
+  for_each_index(views.usable_views, threads, [&](std::size_t i) {
+    posed.poses[i] = view_pose(lens, parameters.data(), views.corners[i], 2 * kFit_px);
+  });
   posed.threshold_px = fit_threshold(posed.poses);
-  for (std::size_t i = 0; i < views.corners.size(); ++i) {
+  std::vector<std::size_t> unfit;
+  for (std::size_t i = 0; i < views.usable_views; ++i) {
     std::optional<ViewPose>& pose = posed.poses[i];
     if (pose) judge(*pose, posed.threshold_px);
-    if (i < views.usable_views && !(pose && pose->fits())) {
-      pose = ransac_view_pose(lens, parameters.data(), views.corners[i], posed.threshold_px);
-    }
-    posed.reasons.push_back(reason_against(pose, views.corners[i], posed.threshold_px));
+    if (!(pose && pose->fits())) unfit.push_back(i);
+  }
+  for_each_index(unfit.size(), threads, [&](std::size_t k) {
+    const std::size_t i = unfit[k];
+    posed.poses[i] = ransac_view_pose(lens, parameters.data(), views.corners[i], posed.threshold_px);
+  });
+  for (std::size_t i = 0; i < views.corners.size(); ++i) {
+    posed.reasons[i] = reason_against(posed.poses[i], views.corners[i], posed.threshold_px);
   }
   return posed;
 }
 
 /// Lens and poses from the views alone, in the model asked for; of lenses that are nearly as good, the best first.
-std::vector<PosedViews> find_lenses(const ProblemCamera& camera, const CameraViews& all) {
+std::vector<PosedViews> find_lenses(const ProblemCamera& camera, const CameraViews& all, int threads) {
   const std::span<const PointsInView> views = all.usable();
   if (views.size() < 3) {
     const std::string usable = std::to_string(views.size()), count = std::to_string(all.corners.size());
@@ -291,14 +298,14 @@ std::vector<PosedViews> find_lenses(const ProblemCamera& camera, const CameraVie
       const bool fits_plainly = quick->threshold_px <= kFit_px;
       return fits_plainly && static_cast<double>(quick->posed()) >= kShareOfViews * static_cast<double>(views.size());
     };
-    quick = posed_views(camera.model, in_model.parameters, all);
+    quick = posed_views(camera.model, in_model.parameters, all, threads);
     if (enough()) return {*quick};
-    quick = posed_views(camera.model, lens_on_more(camera.model, camera.size, views, in_model), all);
+    quick = posed_views(camera.model, lens_on_more(camera.model, camera.size, views, in_model), all, threads);
     if (enough()) return {*quick};
   }
   std::vector<PosedViews> found;
   for (const LensGuess& lens : lenses_in_model(camera, chosen, search_lenses(chosen, camera.size))) {
-    found.push_back(posed_views(camera.model, lens_on_more(camera.model, camera.size, views, lens), all));
+    found.push_back(posed_views(camera.model, lens_on_more(camera.model, camera.size, views, lens), all, threads));
   }
   if (quick && quick->posed() > found.front().posed()) found.insert(found.begin(), *quick);
   return found;
@@ -320,13 +327,13 @@ CameraStart start_of(const CalibrationProblem& problem, const ProblemCamera& cam
 
 }  // namespace
 
-CameraStart initialize_camera(const CalibrationProblem& problem, int camera) {
+CameraStart initialize_camera(const CalibrationProblem& problem, int camera, int threads) {
   const ProblemCamera& wanted = problem.cameras[camera];
   const CameraViews views = views_of(problem, camera);
   if (wanted.parameters) {
-    return start_of(problem, wanted, views, posed_views(wanted.model, *wanted.parameters, views));
+    return start_of(problem, wanted, views, posed_views(wanted.model, *wanted.parameters, views, threads));
   }
-  const std::vector<PosedViews> found = find_lenses(wanted, views);
+  const std::vector<PosedViews> found = find_lenses(wanted, views, threads);
   CameraStart best = start_of(problem, wanted, views, found.front());
   for (std::size_t i = 1; i < found.size(); ++i) best.others.push_back(start_of(problem, wanted, views, found[i]));
   return best;

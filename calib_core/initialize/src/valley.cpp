@@ -39,7 +39,7 @@ std::optional<Difference> difference(const LensFunctions& lens, const PointsInVi
   thread_local Eigen::MatrixXd rows, products;  // by lens, turn and error
   const int n = lens.parameters;
   const auto values = static_cast<Eigen::Index>(2 * field.points.size());
-  rows.setZero((values + 3) / 4 * 4, n + 4);
+  rows.setZero(padded_for_gram(values), n + 4);
   Eigen::Vector2d pixel;
   Eigen::Matrix<double, 2, 3, Eigen::RowMajor> wrt_ray;
   double wrt_parameters[2 * kMaxLensParameters];

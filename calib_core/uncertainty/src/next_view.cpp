@@ -48,7 +48,7 @@ Eigen::MatrixXd root_of(const Eigen::MatrixXd& covariance) {
 Eigen::MatrixXd updated(const Eigen::MatrixXd& root, Eigen::MatrixXd whitened_information) {
   const Eigen::Index size = root.rows();
   whitened_information.diagonal().array() += 1.0;
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero((size + 3) / 4 * 4, size), product;  // as gram() wants them
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(padded_for_gram(size), size), product;  // as gram() wants them
   rows.topRows(size) = whitened_information.llt().matrixL().solve(root.transpose());
   gram(rows, product);
   return product.selfadjointView<Eigen::Upper>();

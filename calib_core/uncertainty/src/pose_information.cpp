@@ -26,7 +26,7 @@ Eigen::MatrixXd whitened_rows(const Calibration& calibration, const std::vector<
                               const Rigid3& rig_from_target) {
   const Covariance& known = calibration.covariance;
   const auto parameters = static_cast<Eigen::Index>(known.names.size());
-  const Eigen::Index padded = (corner_rows(views) + 3) / 4 * 4;
+  const Eigen::Index padded = padded_for_gram(corner_rows(views));
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(padded, kPoseColumns + parameters + 1);
   Eigen::Index first = 0;
   for (const ViewData& view : views) {

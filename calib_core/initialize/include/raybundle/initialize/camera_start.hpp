@@ -24,9 +24,10 @@ struct CameraStart {
 /// any model of the list, full or partial boards, with wrong corners and whole wrong views among them.
 /// Uses problem.cameras[camera].parameters as the start instead when they are given.
 ///
+/// @param threads  change the time, never the bits
 /// @throws Error(kNotEnoughData) when fewer than three views are usable (for models with free intrinsics), or when the
 ///         views cannot determine the focal length (all parallel to the image plane); the message says which
-CameraStart initialize_camera(const CalibrationProblem& problem, int camera);
+CameraStart initialize_camera(const CalibrationProblem& problem, int camera, int threads = 1);
 
 /// Poses of views under a known camera, robustly; the way back for views that were set aside.
 ///
