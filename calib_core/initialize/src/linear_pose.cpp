@@ -2,71 +2,126 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "linear_pose.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
+#include "raybundle/camera/lanes.hpp"
 #include "raybundle/geometry/rotation.hpp"
+#include "raybundle/geometry/target_clones.hpp"
+#include "small_cholesky.hpp"
 
 namespace raybundle {
 namespace {
 
-/// Pose for a rotation: the translation that brings the points nearest to their rays, linear.
-std::optional<Rigid3> with_best_translation(const Eigen::Matrix3d& rotation, std::span<const Eigen::Vector3d> points,
-                                            std::span<const Eigen::Vector3d> rays, const PrincipalFrame& frame) {
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3d arm = rotation * (points[i] - frame.centre);
-    normal += Eigen::Matrix3d::Identity() - rays[i] * rays[i].transpose();
-    right -= arm - rays[i] * rays[i].dot(arm);
+/// Entries of a symmetric 3×3 matrix, row by row.
+constexpr int kSymmetric = 6;
+
+Eigen::Matrix3d symmetric(const double* upper) {
+  Eigen::Matrix3d matrix;
+  matrix << upper[0], upper[1], upper[2], upper[1], upper[3], upper[4], upper[2], upper[4], upper[5];
+  return matrix;
+}
+
+/// Where a point is in its principal frame: x, y, 1, z.
+constexpr int kPlace = 4;
+
+/// Sums over the pairs of a point at the place b and its ray r, of one number or of lanes of them.
+template <typename Number>
+struct PairSums {
+  Number across[kPlace][kPlace][kSymmetric];  ///< b_k b_l (I - r rᵀ), k ≤ l
+  Number along[kPlace][3];                    ///< b_k r
+};
+
+template <bool spatial, typename Number>
+[[gnu::always_inline]] inline void add_pairs(const Eigen::Vector3d* points, const Eigen::Vector3d* rays,
+                                             const PrincipalFrame& frame, const Eigen::Matrix3d& unit_from_target,
+                                             PairSums<Number>& sums) {
+  Number point[3], r[3], place[3];
+  load(points, point);
+  load(rays, r);
+  for (int k = 0; k < 3; ++k) point[k] = point[k] - Number(frame.centre[k]);
+  for (int k = 0; k < 3; ++k) {
+    place[k] =
+        unit_from_target(k, 0) * point[0] + unit_from_target(k, 1) * point[1] + unit_from_target(k, 2) * point[2];
   }
-  const Eigen::Vector3d centre = normal.ldlt().solve(right);
+  const Number b[kPlace] = {place[0], place[1], Number(1.0), place[2]};
+  const Number across[kSymmetric] = {Number(1.0) - r[0] * r[0], -(r[0] * r[1]), -(r[0] * r[2]),
+                                     Number(1.0) - r[1] * r[1], -(r[1] * r[2]), Number(1.0) - r[2] * r[2]};
+  for (int k = 0; k < kPlace; ++k) {
+    for (int l = k; l < kPlace; ++l) {
+      if (!spatial && l == 3 && k != 2) continue;
+      const Number both = b[k] * b[l];
+      for (int e = 0; e < kSymmetric; ++e) sums.across[k][l][e] += both * across[e];
+    }
+    for (int e = 0; e < 3; ++e) sums.along[k][e] += b[k] * r[e];
+  }
+}
+
+/// All sums; where the points are not `spatial` without those of z times x, y and z.
+template <bool spatial>
+RAYBUNDLE_TARGET_CLONES [[gnu::flatten]] void sum_pairs(std::span<const Eigen::Vector3d> points,
+                                                        std::span<const Eigen::Vector3d> rays,
+                                                        const PrincipalFrame& frame, PairSums<double>& sums) {
+  const Eigen::Matrix3d unit_from_target = frame.local_from_target / frame.spread[0];
+  PairSums<Lanes> of_lanes{};
+  for_each_in_lanes(
+      points.size(),
+      [&]<typename Number>(std::size_t i) __attribute__((always_inline)) {
+        if constexpr (std::is_same_v<Number, Lanes>) {
+          add_pairs<spatial>(&points[i], &rays[i], frame, unit_from_target, of_lanes);
+        } else {
+          add_pairs<spatial>(&points[i], &rays[i], frame, unit_from_target, sums);
+        }
+        return true;
+      },
+      [](std::size_t) {});
+  for (int k = 0; k < kPlace; ++k) {
+    for (int l = k; l < kPlace; ++l) {
+      for (int e = 0; e < kSymmetric; ++e) sums.across[k][l][e] += of_lanes.across[k][l][e].sum();
+    }
+    for (int e = 0; e < 3; ++e) sums.along[k][e] += of_lanes.along[k][e].sum();
+  }
+}
+
+/// Pose for a rotation: the translation that brings the points nearest to their rays, linear.
+std::optional<Rigid3> with_best_translation(const Eigen::Matrix3d& camera_from_local, const PairSums<double>& sums,
+                                            const PrincipalFrame& frame) {
+  const Eigen::Vector3d right = symmetric(sums.across[0][2]) * camera_from_local.col(0) +
+                                symmetric(sums.across[1][2]) * camera_from_local.col(1) +
+                                symmetric(sums.across[2][3]) * camera_from_local.col(2);
+  const Eigen::Vector3d centre = -frame.spread[0] * SmallCholesky<3>(symmetric(sums.across[2][2])).solve(right);
   if (!centre.allFinite()) return std::nullopt;
+  const Eigen::Matrix3d rotation = camera_from_local * frame.local_from_target;
   return Rigid3{Eigen::Quaterniond(rotation), centre - rotation * frame.centre};
 }
 
 /// Eigenvector of the smallest eigenvalue of a positive matrix by inverse iteration: where two are alike, some vector
 /// between theirs, which is as good a start as either.
-template <typename Matrix>
-Eigen::Matrix<double, Matrix::RowsAtCompileTime, 1> smallest_eigenvector(Matrix matrix) {
+template <int n>
+Eigen::Matrix<double, n, 1> smallest_eigenvector(Eigen::Matrix<double, n, n> matrix) {
   constexpr int kIterations = 3;
   matrix.diagonal().array() += 1e-10 * matrix.trace();
-  const Eigen::LLT<Matrix> factor(matrix);
-  Eigen::Matrix<double, Matrix::RowsAtCompileTime, 1> vector;
-  for (int i = 0; i < vector.size(); ++i) vector[i] = 1.0 + 0.1 * i;  // orthogonal to no pose in particular
+  const SmallCholesky<n> factor(matrix);
+  Eigen::Matrix<double, n, 1> vector;
+  for (int i = 0; i < n; ++i) vector[i] = 1.0 + 0.1 * i;  // orthogonal to no pose in particular
   for (int iteration = 0; iteration < kIterations; ++iteration) vector = factor.solve(vector).normalized();
   return vector;
 }
 
-/// Sum over the pairs of b bᵀ ⊗ (I - r rᵀ), whose smallest eigenvector holds the columns of the projection.
-template <int columns>
-Eigen::Matrix<double, 3, columns> smallest_projection(std::span<const Eigen::Vector3d> points,
-                                                      std::span<const Eigen::Vector3d> rays,
-                                                      const PrincipalFrame& frame) {
-  using Matrix = Eigen::Matrix<double, 3 * columns, 3 * columns>;
-  Matrix normal = Matrix::Zero();
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3d local = frame.local(points[i]);
-    Eigen::Matrix<double, columns, 1> b;
-    b.template head<columns - 1>() = local.head<columns - 1>();
-    b[columns - 1] = 1.0;
-    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - rays[i] * rays[i].transpose();
-    for (int k = 0; k < columns; ++k) {
-      for (int l = k; l < columns; ++l) normal.template block<3, 3>(3 * k, 3 * l) += b[k] * b[l] * across;
-    }
+/// Columns of the projection of the first places b: the smallest eigenvector of the sum of b bᵀ ⊗ (I - r rᵀ).
+template <int places>
+Eigen::Matrix<double, 3, places> smallest_projection(const PairSums<double>& sums) {
+  Eigen::Matrix<double, 3 * places, 3 * places> normal;
+  for (int k = 0; k < places; ++k) {
+    for (int l = k; l < places; ++l) normal.template block<3, 3>(3 * l, 3 * k) = symmetric(sums.across[k][l]);
   }
-  normal.template triangularView<Eigen::StrictlyLower>() = normal.transpose();
-  const Eigen::Matrix<double, 3 * columns, 1> smallest = smallest_eigenvector(normal);
-  Eigen::Matrix<double, 3, columns> projection = Eigen::Map<const Eigen::Matrix<double, 3, columns>>(smallest.data());
+  const Eigen::Matrix<double, 3 * places, 1> smallest = smallest_eigenvector<3 * places>(normal);
+  Eigen::Matrix<double, 3, places> projection = Eigen::Map<const Eigen::Matrix<double, 3, places>>(smallest.data());
   double facing = 0.0;  // the sign that puts the points in front of their rays
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3d x = projection.template leftCols<columns - 1>() * frame.local(points[i]).head(columns - 1) +
-                              projection.col(columns - 1);
-    facing += x.dot(rays[i]) / std::max(x.norm(), 1e-300);
-  }
-  return facing < 0 ? Eigen::Matrix<double, 3, columns>(-projection) : projection;
+  for (int k = 0; k < places; ++k) facing += projection.col(k).dot(Eigen::Map<const Eigen::Vector3d>(sums.along[k]));
+  return facing < 0 ? Eigen::Matrix<double, 3, places>(-projection) : projection;
 }
 
 /// Real roots of a quartic in descending powers, by the companion matrix; none where it is no quartic.
@@ -147,22 +202,26 @@ PrincipalFrame principal_frame(std::span<const Eigen::Vector3d> points_in_target
 
 std::optional<Rigid3> linear_planar_pose(std::span<const Eigen::Vector3d> points_in_target,
                                          std::span<const Eigen::Vector3d> rays_in_camera, const PrincipalFrame& frame) {
-  const Eigen::Matrix3d h = smallest_projection<3>(points_in_target, rays_in_camera, frame);
+  PairSums<double> sums{};
+  sum_pairs<false>(points_in_target, rays_in_camera, frame, sums);
+  const Eigen::Matrix3d h = smallest_projection<3>(sums);
   const double scale = 0.5 * (h.col(0).norm() + h.col(1).norm());
   if (!(scale > 1e-12)) return std::nullopt;
   Eigen::Matrix3d axes;
   axes.leftCols<2>() = h.leftCols<2>() / scale;
   axes.col(2) = axes.col(0).cross(axes.col(1));
-  const Eigen::Matrix3d rotation = nearest_rotation(axes) * frame.local_from_target;
-  return with_best_translation(rotation, points_in_target, rays_in_camera, frame);
+  return with_best_translation(nearest_rotation(axes), sums, frame);
 }
 
 std::optional<Rigid3> linear_spatial_pose(std::span<const Eigen::Vector3d> points_in_target,
                                           std::span<const Eigen::Vector3d> rays_in_camera,
                                           const PrincipalFrame& frame) {
-  const Eigen::Matrix<double, 3, 4> p = smallest_projection<4>(points_in_target, rays_in_camera, frame);
-  const Eigen::Matrix3d rotation = nearest_rotation(p.leftCols<3>()) * frame.local_from_target;
-  return with_best_translation(rotation, points_in_target, rays_in_camera, frame);
+  PairSums<double> sums{};
+  sum_pairs<true>(points_in_target, rays_in_camera, frame, sums);
+  const Eigen::Matrix<double, 3, 4> p = smallest_projection<4>(sums);
+  Eigen::Matrix3d axes;
+  axes << p.col(0), p.col(1), p.col(3);
+  return with_best_translation(nearest_rotation(axes), sums, frame);
 }
 
 Rigid3 mirrored_pose(const Rigid3& camera_from_target, const PrincipalFrame& frame) {

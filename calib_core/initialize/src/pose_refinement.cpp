@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pose_refinement.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
 
 #include "raybundle/camera/lanes.hpp"
 #include "raybundle/geometry/target_clones.hpp"
+#include "small_cholesky.hpp"
 
 namespace raybundle {
 namespace {
@@ -163,7 +163,12 @@ double refine_on_rays(std::span<const Eigen::Vector3d> points_in_target,
     while (!improved && lambda < 1e8) {
       Matrix6 damped = equations.hessian;
       damped.diagonal() *= 1.0 + lambda;
-      const Vector6 step = damped.llt().solve(-equations.gradient);
+      const SmallCholesky<6> factor(damped);
+      if (!factor.positive()) {
+        lambda *= 10.0;
+        continue;
+      }
+      const Vector6 step = factor.solve(-equations.gradient);
       const double decrease = -equations.gradient.dot(step);  // that the equations promise
       if (!(std::abs(decrease) > kNoDecrease * cost)) break;
       const Rigid3 moved = perturbed(pose, step);
