@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lens_functions.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -36,20 +37,84 @@ bool unproject(const double* parameters, const Eigen::Vector2d& pixel, Eigen::Ve
   return M::ray_from_plane(parameters + 4, plane, ray.data());
 }
 
-/// What a view is seen with.
-struct Seen {
-  const double* parameters;
-  const PointsInView& view;
-  Eigen::Matrix3d rotation;
-  Eigen::Vector3d translation;
-};
-
 template <CameraModel M, typename Number>
 struct Shape {
   Number values[kShapeSize<M> > 0 ? kShapeSize<M> : 1];
   [[gnu::always_inline]] explicit Shape(const double* parameters) {
     for (int k = 0; k < kShapeSize<M>; ++k) values[k] = Number(parameters[4 + k]);
   }
+};
+
+/// Rays of as many pixels as there are lanes, by Newton's method on what the model projects; false where it does not
+/// get there.
+template <CameraModel M>
+[[gnu::always_inline]] inline bool find_rays(const double* parameters, const Eigen::Vector2d* pixels,
+                                             Eigen::Vector3d* rays) {
+  constexpr int kMostSteps = 8;
+  constexpr double kNear = 1e-6;  // of the plane: what the next step leaves is the square of it
+  const Shape<M, Lanes> shape(parameters);
+  Lanes pixel[2], target[2], plane[2], slope[6], wrt_shape[kShapeSize<M> > 0 ? 2 * kShapeSize<M> : 1];
+  load(pixels, pixel);
+  for (int axis = 0; axis < 2; ++axis) target[axis] = (pixel[axis] - parameters[2 + axis]) / parameters[axis];
+  // A stereographic lens has a ray for every pixel, and is neither much wider nor much narrower than any other.
+  Lanes ray[3] = {target[0], target[1], 1.0 - 0.25 * (target[0] * target[0] + target[1] * target[1])};
+  bool near = false;
+  for (int step = 0; !near && step < kMostSteps; ++step) {
+    if (!M::plane_from_ray(shape.values, ray, plane, slope, wrt_shape)) return false;
+    const Lanes error[2] = {target[0] - plane[0], target[1] - plane[1]};
+    near = (error[0] * error[0] + error[1] * error[1]).sum() < kNear * kNear;
+    // The shortest step: along the length of the ray nothing changes.
+    const Lanes a = slope[0] * slope[0] + slope[1] * slope[1] + slope[2] * slope[2];
+    const Lanes b = slope[0] * slope[3] + slope[1] * slope[4] + slope[2] * slope[5];
+    const Lanes c = slope[3] * slope[3] + slope[4] * slope[4] + slope[5] * slope[5];
+    const Lanes inverse = 1.0 / (a * c - b * b);
+    const Lanes u = inverse * (c * error[0] - b * error[1]), v = inverse * (a * error[1] - b * error[0]);
+    for (int k = 0; k < 3; ++k) ray[k] += slope[k] * u + slope[3 + k] * v;
+  }
+  const Lanes nearness = 1.0 / sqrt(ray[0] * ray[0] + ray[1] * ray[1] + ray[2] * ray[2]);
+  for (int lane = 0; lane < Lanes::kCount; ++lane) {
+    for (int k = 0; k < 3; ++k) rays[lane][k] = ray[k][lane] * nearness[lane];
+  }
+  return near;
+}
+
+/// The last ones overlap with those before, so that all are taken as many at a time as there are lanes.
+template <CameraModel M>
+RAYBUNDLE_TARGET_CLONES [[gnu::flatten]] bool find_all_rays(const double* parameters,
+                                                            std::span<const Eigen::Vector2d> pixels,
+                                                            Eigen::Vector3d* rays) {
+  Lanes::disagreed = false;
+  for (std::size_t i = 0; i < pixels.size(); i += Lanes::kCount) {
+    const std::size_t first = std::min(i, pixels.size() - Lanes::kCount);
+    if (!find_rays<M>(parameters, &pixels[first], &rays[first])) return false;
+  }
+  return !Lanes::disagreed;
+}
+
+/// Unit rays of pixels; zero where there is none.
+template <CameraModel M>
+void unproject_all(const double* parameters, std::span<const Eigen::Vector2d> pixels, Eigen::Vector3d* rays) {
+  if (pixels.size() >= Lanes::kCount && find_all_rays<M>(parameters, pixels, rays)) {
+    double cosine = 1.0;
+    for (std::size_t i = 0; i < pixels.size(); ++i) cosine = std::min(cosine, rays[i].z());
+    // Beyond the end of the field other rays land on the pixels too, and they are not meant.
+    if (cosine >= std::cos(M::max_angle_rad(parameters + 4))) return;
+  }
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if (unproject<M>(parameters, pixels[i], rays[i])) {
+      rays[i].normalize();
+    } else {
+      rays[i].setZero();
+    }
+  }
+}
+
+/// What a view is seen with.
+struct Seen {
+  const double* parameters;
+  const PointsInView& view;
+  Eigen::Matrix3d rotation;
+  Eigen::Vector3d translation;
 };
 
 /// Corner i, or those of the lanes from there on, in the axes of the camera.
@@ -140,6 +205,7 @@ LensFunctions functions_of() {
   functions.project = project<M>;
   functions.project_with_jacobians = project_with_jacobians<M>;
   functions.unproject = unproject<M>;
+  functions.unproject_all = unproject_all<M>;
   functions.squared_distances = [](const double* parameters, const PointsInView& view, const Rigid3& pose,
                                    std::vector<double>& distances2) {
     distances2.resize(view.points.size());

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include "raybundle/camera/camera.hpp"
@@ -39,6 +40,9 @@ struct LensFunctions {
                                  Eigen::Matrix<double, 2, 3, Eigen::RowMajor>& wrt_ray,
                                  double* wrt_parameters) = nullptr;
   bool (*unproject)(const double* parameters, const Eigen::Vector2d& pixel, Eigen::Vector3d& ray) = nullptr;
+  /// Unit rays of as many pixels; zero where there is none.
+  void (*unproject_all)(const double* parameters, std::span<const Eigen::Vector2d> pixels,
+                        Eigen::Vector3d* rays) = nullptr;
   /// Squared distances [px²] of a view's corners from where the lens puts them; infinite where it does not project
   /// them.
   void (*squared_distances)(const double* parameters, const PointsInView& view, const Rigid3& pose,

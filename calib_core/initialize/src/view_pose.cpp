@@ -45,22 +45,26 @@ struct RaysOfView {
 
 RaysOfView rays_of(const LensFunctions& lens, const double* parameters, const PointsInView& view) {
   RaysOfView seen;
-  seen.points.reserve(view.points.size());
-  seen.rays.reserve(view.points.size());
+  seen.points = view.points;
+  seen.rays.resize(view.points.size());
+  lens.unproject_all(parameters, view.pixels, seen.rays.data());
   double ray_steps = 0.0, pixel_steps = 0.0;
+  std::size_t count = 0;
   Eigen::Vector2d last_pixel = Eigen::Vector2d::Zero();
   for (std::size_t i = 0; i < view.points.size(); ++i) {
-    Eigen::Vector3d ray;
-    if (!lens.unproject(parameters, view.pixels[i], ray)) continue;
-    ray.normalize();
-    if (!seen.rays.empty()) {
-      ray_steps += (ray - seen.rays.back()).norm();
+    const Eigen::Vector3d ray = seen.rays[i];
+    if (ray.isZero(0.0)) continue;
+    if (count > 0) {
+      ray_steps += (ray - seen.rays[count - 1]).norm();
       pixel_steps += (view.pixels[i] - last_pixel).norm();
     }
     last_pixel = view.pixels[i];
-    seen.points.push_back(view.points[i]);
-    seen.rays.push_back(ray);
+    seen.points[count] = view.points[i];
+    seen.rays[count] = ray;
+    ++count;
   }
+  seen.points.resize(count);
+  seen.rays.resize(count);
   seen.pixel_rad = pixel_steps > 0 ? ray_steps / pixel_steps : 0.0;
   return seen;
 }
