@@ -24,6 +24,43 @@ Eigen::Matrix3d symmetric(const double* upper) {
   return matrix;
 }
 
+/// Sums over points, of one number or of lanes of them, about the first point: near enough to the centre to lose
+/// nothing, and all points are read once only.
+template <typename Number>
+struct MomentSums {
+  Number sum[3];
+  Number squares[kSymmetric];
+};
+
+RAYBUNDLE_TARGET_CLONES [[gnu::flatten]] void sum_moments(std::span<const Eigen::Vector3d> points,
+                                                          MomentSums<double>& sums) {
+  MomentSums<Lanes> of_lanes{};
+  const auto add = [&]<typename Number>(std::size_t i, MomentSums<Number> & to) __attribute__((always_inline)) {
+    Number x[3];
+    load(&points[i], x);
+    for (int a = 0; a < 3; ++a) {
+      x[a] = x[a] - points[0][a];
+      to.sum[a] += x[a];
+    }
+    for (int a = 0, e = 0; a < 3; ++a) {
+      for (int b = a; b < 3; ++b, ++e) to.squares[e] += x[a] * x[b];
+    }
+  };
+  for_each_in_lanes(
+      points.size(),
+      [&]<typename Number>(std::size_t i) __attribute__((always_inline)) {
+        if constexpr (std::is_same_v<Number, Lanes>) {
+          add(i, of_lanes);
+        } else {
+          add(i, sums);
+        }
+        return true;
+      },
+      [](std::size_t) {});
+  for (int a = 0; a < 3; ++a) sums.sum[a] += of_lanes.sum[a].sum();
+  for (int e = 0; e < kSymmetric; ++e) sums.squares[e] += of_lanes.squares[e].sum();
+}
+
 /// Where a point is in its principal frame: x, y, 1, z.
 constexpr int kPlace = 4;
 
@@ -171,21 +208,13 @@ PlaneAxes principal_axes(const Eigen::Matrix2d& scatter) {
 
 PrincipalFrame principal_frame(std::span<const Eigen::Vector3d> points_in_target) {
   if (points_in_target.empty()) return {};
-  // Sums about the first point: near enough to the centre to lose nothing, and all points are read once only.
-  double sum[3] = {}, xx = 0.0, xy = 0.0, xz = 0.0, yy = 0.0, yz = 0.0, zz = 0.0;
-  for (const Eigen::Vector3d& point : points_in_target) {
-    const double x = point[0] - points_in_target[0][0];
-    const double y = point[1] - points_in_target[0][1];
-    const double z = point[2] - points_in_target[0][2];
-    sum[0] += x, sum[1] += y, sum[2] += z;
-    xx += x * x, xy += x * y, xz += x * z, yy += y * y, yz += y * z, zz += z * z;
-  }
+  MomentSums<double> sums{};
+  sum_moments(points_in_target, sums);
   const double count = static_cast<double>(points_in_target.size());
-  const Eigen::Vector3d mean = Eigen::Vector3d(sum[0], sum[1], sum[2]) / count;
+  const Eigen::Vector3d mean = Eigen::Map<const Eigen::Vector3d>(sums.sum) / count;
   PrincipalFrame frame;
   frame.centre = points_in_target[0] + mean;
-  Eigen::Matrix3d scatter;
-  scatter << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+  Eigen::Matrix3d scatter = symmetric(sums.squares);
   scatter -= count * mean * mean.transpose();
   if (scatter.col(2).isZero(0.0)) {  // a board that lies in its own xy plane
     const PlaneAxes axes = principal_axes(scatter.topLeftCorner<2, 2>() / count);

@@ -10,6 +10,8 @@
 #include <numeric>
 
 #include "linear_pose.hpp"
+#include "raybundle/camera/lanes.hpp"
+#include "raybundle/geometry/target_clones.hpp"
 
 namespace raybundle {
 namespace {
@@ -19,6 +21,38 @@ constexpr std::size_t kNeighbours = 8;
 constexpr double kSurprise = 0.4;  ///< of the distance to the neighbours
 
 using Points2 = std::vector<Eigen::Vector2d>;
+
+/// Indices of the corners with the largest and smallest x + y and x - y, of equal ones the first; at least four corners.
+/// Choices, not branches: along a row of the board nobody can foresee them.
+RAYBUNDLE_TARGET_CLONES
+std::array<std::size_t, 4> extreme_corners(const Points2& pixels) {
+  using Vector = Lanes::Vector;
+  constexpr int lanes = Lanes::kCount;
+  const Vector none = Vector{} - std::numeric_limits<double>::infinity();
+  Vector reach[4] = {none, none, none, none}, index[4] = {};
+  for (std::size_t i = 0; i < pixels.size(); i += lanes) {
+    const std::size_t first = std::min(i, pixels.size() - lanes);  // the last ones overlap with those before
+    const Eigen::Vector2d* p = &pixels[first];
+    const Vector x{p[0].x(), p[1].x(), p[2].x(), p[3].x()}, y{p[0].y(), p[1].y(), p[2].y(), p[3].y()};
+    const Vector here[4] = {x + y, -(x + y), x - y, -(x - y)};
+    const Vector at = Vector{0, 1, 2, 3} + static_cast<double>(first);
+    for (int k = 0; k < 4; ++k) {
+      const Lanes::Mask farther = here[k] > reach[k];
+      reach[k] = farther ? here[k] : reach[k];
+      index[k] = farther ? at : index[k];
+    }
+  }
+  std::array<std::size_t, 4> extreme;
+  for (std::size_t k = 0; k < 4; ++k) {
+    int best = 0;
+    for (int lane = 1; lane < lanes; ++lane) {
+      const bool tie = reach[k][lane] == reach[k][best] && index[k][lane] < index[k][best];
+      if (reach[k][lane] > reach[k][best] || tie) best = lane;
+    }
+    extreme[k] = static_cast<std::size_t>(index[k][best]);
+  }
+  return extreme;
+}
 
 /// Indices of at most `count` + 4 corners: the extreme ones, and steps of the golden ratio, which fall on all rows and
 /// columns of any grid.
@@ -30,21 +64,9 @@ std::vector<std::size_t> thinned_indices(const PointsInView& view, std::size_t c
     std::iota(chosen.begin(), chosen.end(), 0u);
     return chosen;
   }
-  std::array<std::size_t, 4> extreme{};  // of x + y and x - y
-  std::array<double, 4> reach;
-  reach.fill(-std::numeric_limits<double>::infinity());
-  for (std::size_t i = 0; i < size; ++i) {
-    const double sum = view.pixels[i].x() + view.pixels[i].y(), difference = view.pixels[i].x() - view.pixels[i].y();
-    const std::array<double, 4> here{sum, -sum, difference, -difference};
-    for (std::size_t k = 0; k < 4; ++k) {  // choices, not branches: along a row of the board nobody can foresee them
-      const bool farther = here[k] > reach[k];
-      reach[k] = farther ? here[k] : reach[k];
-      extreme[k] = farther ? i : extreme[k];
-    }
-  }
   thread_local std::vector<char> taken;
   taken.assign(size, 0);
-  for (const std::size_t i : extreme) taken[i] = 1;
+  for (const std::size_t i : extreme_corners(view.pixels)) taken[i] = 1;
   double place = 0.0;
   for (std::size_t k = 0; k < count; ++k) {
     place += 0.6180339887498949;
