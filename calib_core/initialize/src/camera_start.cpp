@@ -271,6 +271,12 @@ PosedViews posed_views(ModelId model, const LensVector& parameters, const Camera
   return posed;
 }
 
+std::vector<PosedViews> only(PosedViews&& posed) {
+  std::vector<PosedViews> one;
+  one.push_back(std::move(posed));
+  return one;
+}
+
 /// Lens and poses from the views alone, in the model asked for; of lenses that are nearly as good, the best first.
 std::vector<PosedViews> find_lenses(const ProblemCamera& camera, const CameraViews& all, int threads) {
   const std::span<const PointsInView> views = all.usable();
@@ -299,9 +305,9 @@ std::vector<PosedViews> find_lenses(const ProblemCamera& camera, const CameraVie
       return fits_plainly && static_cast<double>(quick->posed()) >= kShareOfViews * static_cast<double>(views.size());
     };
     quick = posed_views(camera.model, in_model.parameters, all, threads);
-    if (enough()) return {*quick};
+    if (enough()) return only(std::move(*quick));
     quick = posed_views(camera.model, lens_on_more(camera.model, camera.size, views, in_model), all, threads);
-    if (enough()) return {*quick};
+    if (enough()) return only(std::move(*quick));
   }
   std::vector<PosedViews> found;
   for (const LensGuess& lens : lenses_in_model(camera, chosen, search_lenses(chosen, camera.size))) {

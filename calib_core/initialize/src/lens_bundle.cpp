@@ -8,22 +8,16 @@
 #include <limits>
 
 #include "raybundle/geometry/gram.hpp"
+#include "small_cholesky.hpp"
 
 namespace raybundle {
 namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Cross = Eigen::Matrix<double, Eigen::Dynamic, 6, 0, kMaxLensParameters, 6>;
-
-/// Normal equations of one view: its pose and its share in the lens.
-struct ViewEquations {
-  LensMatrix lens;
-  LensVector lens_right;
-  Cross cross;
-  Matrix6 pose;
-  Vector6 pose_right;
-};
+/// Normal equations of one view: upper triangle of the products of lens, pose and error.
+using ViewEquations =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxLensParameters + 7, kMaxLensParameters + 7>;
 
 double view_cost(const LensFunctions& lens, const double* parameters, const PointsInView& view, const Rigid3& pose,
                  double scale2, std::vector<double>& distances2) {
@@ -42,29 +36,13 @@ void view_equations(const LensFunctions& lens, const double* parameters, const P
   thread_local LensRows rows;
   thread_local Eigen::MatrixXd products;
   lens.linearise(parameters, view, pose, options.scale_px, rows);
-  const int n = lens.parameters, error = n + 6;
-  Eigen::Matrix<double, kMaxLensParameters + 7, kMaxLensParameters + 7> sums;
-  sums.topLeftCorner(n + 7, n + 7).setZero();
+  equations.setZero(lens.parameters + 7, lens.parameters + 7);
   for (int axis = 0; axis < 2; ++axis) {
     gram(rows.of_axis[axis], products);
     for (int b = 0; b < products.cols(); ++b) {
-      for (int a = 0; a <= b; ++a) sums(LensRows::index(axis, a), LensRows::index(axis, b)) += products(a, b);
+      for (int a = 0; a <= b; ++a) equations(LensRows::index(axis, a), LensRows::index(axis, b)) += products(a, b);
     }
   }
-  equations.lens.setZero(n, n);
-  equations.lens_right.setZero(n);
-  equations.cross.setZero(n, 6);
-  equations.pose.setZero();
-  equations.pose_right.setZero();
-  if (!options.lens_fixed) {
-    equations.lens = sums.topLeftCorner(n, n).selfadjointView<Eigen::Upper>();
-    equations.lens_right = -sums.col(error).head(n);
-  }
-  if (!options.poses_fixed) {
-    equations.pose = sums.block<6, 6>(n, n).selfadjointView<Eigen::Upper>();
-    equations.pose_right = -sums.col(error).segment<6>(n);
-  }
-  if (!options.lens_fixed && !options.poses_fixed) equations.cross = sums.block(0, n, n, 6);
 }
 
 double prior_cost(const LensBundleOptions& options, const LensVector& parameters) {
@@ -106,6 +84,36 @@ void hold(const std::vector<int>& held, LensMatrix& normal, LensVector& right) {
   }
 }
 
+/// Poses eliminated: of each view's pose the Cholesky factor L, and L⁻¹ times its rows of the equations.
+struct Elimination {
+  std::vector<SmallCholesky<6>> factors;
+  Eigen::MatrixXd rows;      ///< six for each view, by the lens and the right side, up to a multiple of four
+  Eigen::MatrixXd products;  ///< upper triangle of rowsᵀ rows: what the lens loses
+};
+
+/// @param n  parameters of the lens; 0 where it is fixed
+bool eliminate_poses(const std::vector<ViewEquations>& equations, int n, double lambda, Elimination& eliminated) {
+  const auto used = static_cast<Eigen::Index>(6 * equations.size());
+  eliminated.factors.clear();
+  eliminated.rows.resize(padded_for_gram(used), n + 1);
+  eliminated.rows.bottomRows(eliminated.rows.rows() - used).setZero();
+  Eigen::Index row = 0;
+  for (const ViewEquations& view : equations) {
+    const Eigen::Index error = view.cols() - 1, first = error - 6;
+    Matrix6 pose = view.block<6, 6>(first, first).transpose();
+    damp(pose, lambda);
+    const SmallCholesky<6>& factor = eliminated.factors.emplace_back(pose);
+    if (!factor.positive()) return false;
+    for (int k = 0; k < n; ++k) {
+      eliminated.rows.block<6, 1>(row, k) = factor.half_solved(view.block<1, 6>(k, first).transpose());
+    }
+    eliminated.rows.block<6, 1>(row, n) = factor.half_solved(-view.block<6, 1>(first, error));
+    row += 6;
+  }
+  if (n > 0) gram(eliminated.rows, eliminated.products);
+  return true;
+}
+
 struct Step {
   LensVector lens;
   std::vector<Vector6> poses;
@@ -113,48 +121,52 @@ struct Step {
 };
 
 /// Back substitution: the poses' steps for the lens's.
-bool solve_poses(const std::vector<ViewEquations>& equations, const std::vector<Eigen::LLT<Matrix6>>& factors,
+bool solve_poses(const std::vector<ViewEquations>& equations, const Elimination& eliminated, bool lens_fixed,
                  Step& step) {
-  step.poses.assign(equations.size(), Vector6::Zero());
-  for (std::size_t v = 0; v < factors.size(); ++v) {
-    step.poses[v] = factors[v].solve(equations[v].pose_right - equations[v].cross.transpose() * step.lens);
+  Eigen::Index row = 0;
+  for (std::size_t v = 0; v < step.poses.size(); ++v, row += 6) {
+    const auto rows = eliminated.rows.middleRows<6>(row);
+    const Eigen::Index error = equations[v].cols() - 1;
+    Vector6 half = rows.rightCols<1>();
+    if (!lens_fixed) half -= rows.leftCols(step.lens.size()).lazyProduct(step.lens);
+    step.poses[v] = eliminated.factors[v].solved(half);
     if (!step.poses[v].allFinite()) return false;
-    step.decrease += equations[v].pose_right.dot(step.poses[v]);
+    step.decrease -= equations[v].col(error).segment<6>(error - 6).dot(step.poses[v]);
   }
   return true;
 }
 
+/// Equations of the lens alone, both triangles.
+void add_lens(const std::vector<ViewEquations>& equations, LensMatrix& normal, LensVector& right) {
+  const Eigen::Index n = right.size();
+  for (const ViewEquations& view : equations) {
+    for (Eigen::Index b = 0; b < n; ++b) {
+      for (Eigen::Index a = 0; a <= b; ++a) normal(a, b) += view(a, b);
+      right[b] -= view(b, n + 6);
+    }
+  }
+  normal.triangularView<Eigen::StrictlyLower>() = normal.transpose();
+}
+
 /// One damped step.
 bool solve_step(const std::vector<ViewEquations>& equations, const LensBundleOptions& options,
-                const LensVector& parameters, double lambda, Step& step) {
+                const LensVector& parameters, double lambda, Elimination& eliminated, Step& step) {
   const Eigen::Index n = parameters.size();
+  step.poses.assign(equations.size(), Vector6::Zero());
+  const int seen = options.lens_fixed ? 0 : static_cast<int>(n);
+  if (!options.poses_fixed && !eliminate_poses(equations, seen, lambda, eliminated)) return false;
+  step.lens.setZero(n);
+  step.decrease = 0.0;
+  if (options.lens_fixed) return options.poses_fixed || solve_poses(equations, eliminated, true, step);
   LensMatrix normal = LensMatrix::Zero(n, n);
   LensVector right = LensVector::Zero(n);
-  for (const ViewEquations& view : equations) {
-    normal += view.lens;
-    right += view.lens_right;
-  }
+  add_lens(equations, normal, right);
   add_priors(options, parameters, normal, right);
   const LensVector right_of_lens = right;
   damp(normal, lambda);
-  std::vector<Eigen::LLT<Matrix6>> factors;
   if (!options.poses_fixed) {
-    factors.reserve(equations.size());
-    for (const ViewEquations& view : equations) {
-      Matrix6 pose = view.pose;
-      damp(pose, lambda);
-      factors.emplace_back(pose);
-      if (options.lens_fixed) continue;
-      const Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMaxLensParameters> solved =
-          factors.back().solve(view.cross.transpose());
-      normal.noalias() -= view.cross.lazyProduct(solved);
-      right.noalias() -= solved.transpose().lazyProduct(view.pose_right);
-    }
-  }
-  if (options.lens_fixed) {
-    step.lens.setZero(n);
-    step.decrease = 0.0;
-    return solve_poses(equations, factors, step);
+    normal -= LensMatrix(eliminated.products.topLeftCorner(n, n).selfadjointView<Eigen::Upper>());
+    right -= eliminated.products.col(n).head(n);
   }
   hold(options.held, normal, right);
   const LensVector scale = normal.diagonal().cwiseMax(1e-30).cwiseSqrt().cwiseInverse();
@@ -162,19 +174,16 @@ bool solve_step(const std::vector<ViewEquations>& equations, const LensBundleOpt
   step.lens = scale.cwiseProduct(LensVector(scaled.ldlt().solve(scale.cwiseProduct(right))));
   if (!step.lens.allFinite()) return false;
   step.decrease = right_of_lens.dot(step.lens);
-  return solve_poses(equations, factors, step);
+  return options.poses_fixed || solve_poses(equations, eliminated, false, step);
 }
 
 LensMatrix reduced_information(const std::vector<ViewEquations>& equations, int n, bool poses_fixed) {
   LensMatrix information = LensMatrix::Zero(n, n);
-  for (const ViewEquations& view : equations) {
-    information += view.lens;
-    if (poses_fixed) continue;
-    Matrix6 pose = view.pose;
-    damp(pose, 1e-12);
-    const Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMaxLensParameters> solved =
-        pose.llt().solve(view.cross.transpose());
-    information.noalias() -= view.cross.lazyProduct(solved);
+  LensVector right = LensVector::Zero(n);
+  add_lens(equations, information, right);
+  Elimination eliminated;
+  if (!poses_fixed && eliminate_poses(equations, n, 1e-12, eliminated)) {
+    information -= LensMatrix(eliminated.products.topLeftCorner(n, n).selfadjointView<Eigen::Upper>());
   }
   return information;
 }
@@ -203,12 +212,13 @@ LensBundleSummary refine_lens(const LensFunctions& lens, const std::vector<Point
   };
   double lambda = 1e-4;
   Step step;
+  Elimination eliminated;
   for (; summary.iterations < options.max_iterations; ++summary.iterations) {
     linearise();
     bool improved = false;
     bool converged = false;
     while (!improved && lambda < 1e10) {
-      if (solve_step(equations, options, parameters, lambda, step)) {
+      if (solve_step(equations, options, parameters, lambda, eliminated, step)) {
         if (std::abs(step.decrease) < kNoDecrease * summary.cost) break;
         const LensVector moved = parameters + step.lens;
         std::vector<Rigid3> moved_poses = poses;

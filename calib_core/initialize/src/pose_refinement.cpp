@@ -20,7 +20,7 @@ constexpr double kNoDecrease = 1e-13;  ///< of the cost: rounding
 
 /// Normal equations of a pose's rotation and translation.
 struct PoseEquations {
-  Matrix6 hessian = Matrix6::Zero();
+  Matrix6 hessian = Matrix6::Zero();  ///< lower triangle
   Vector6 gradient = Vector6::Zero();
 };
 
@@ -108,11 +108,12 @@ template <bool kWithEquations, typename Number>
   return true;
 }
 
-/// Sums over all pairs, those of the lanes and those of the pairs that are left.
+/// Sums over all pairs.
 template <bool kWithEquations>
 RAYBUNDLE_TARGET_CLONES [[gnu::flatten]] void add_all(std::span<const Eigen::Vector3d> points,
                                                       std::span<const Eigen::Vector3d> rays, const ChordPoint& at,
-                                                      ChordSums<Lanes>& of_lanes, ChordSums<double>& sums) {
+                                                      ChordSums<double>& sums) {
+  ChordSums<Lanes> of_lanes;
   for_each_in_lanes(
       points.size(),
       [&]<typename Number>(std::size_t i) __attribute__((always_inline)) {
@@ -122,31 +123,36 @@ RAYBUNDLE_TARGET_CLONES [[gnu::flatten]] void add_all(std::span<const Eigen::Vec
       },
       // A board point in the centre of projection has no direction.
       [&](std::size_t) { sums.cost += at.scale > 0 ? at.scale * at.scale : 4.0; });
+  sums.cost += of_lanes.cost.sum();
+  if constexpr (kWithEquations) {
+    for (int k = 0; k < 6; ++k) {
+      sums.turn[k] += of_lanes.turn[k].sum();
+      sums.shift[k] += of_lanes.shift[k].sum();
+      sums.gradient[k] += of_lanes.gradient[k].sum();
+    }
+    for (int k = 0; k < 9; ++k) sums.turn_and_shift[k] += of_lanes.turn_and_shift[k].sum();
+  }
 }
 
 /// Cost of a pose, and its equations when asked for.
 double chord_cost(std::span<const Eigen::Vector3d> points, std::span<const Eigen::Vector3d> rays, const Rigid3& pose,
                   double scale, PoseEquations* equations = nullptr) {
   const ChordPoint at{pose.rotation.toRotationMatrix(), pose.translation, scale};
-  ChordSums<Lanes> of_lanes;
   ChordSums<double> sums;
   if (!equations) {
-    add_all<false>(points, rays, at, of_lanes, sums);
-    return sums.cost + of_lanes.cost.sum();
+    add_all<false>(points, rays, at, sums);
+    return sums.cost;
   }
-  add_all<true>(points, rays, at, of_lanes, sums);
+  add_all<true>(points, rays, at, sums);
   for (int a = 0, k = 0; a < 3; ++a) {
     for (int b = a; b < 3; ++b, ++k) {
-      equations->hessian(a, b) = equations->hessian(b, a) = sums.turn[k] + of_lanes.turn[k].sum();
-      equations->hessian(3 + a, 3 + b) = equations->hessian(3 + b, 3 + a) = sums.shift[k] + of_lanes.shift[k].sum();
+      equations->hessian(b, a) = sums.turn[k];
+      equations->hessian(3 + b, 3 + a) = sums.shift[k];
     }
-    for (int b = 0; b < 3; ++b) {
-      equations->hessian(a, 3 + b) = equations->hessian(3 + b, a) =
-          sums.turn_and_shift[3 * a + b] + of_lanes.turn_and_shift[3 * a + b].sum();
-    }
+    for (int b = 0; b < 3; ++b) equations->hessian(3 + b, a) = sums.turn_and_shift[3 * a + b];
   }
-  for (int k = 0; k < 6; ++k) equations->gradient[k] = sums.gradient[k] + of_lanes.gradient[k].sum();
-  return sums.cost + of_lanes.cost.sum();
+  equations->gradient = Eigen::Map<const Vector6>(sums.gradient);
+  return sums.cost;
 }
 
 }  // namespace

@@ -98,13 +98,26 @@ struct Neighbours {
   double reach2 = 0.0;  ///< squared distance of the farthest
 };
 
+/// Squared distances of a board's corners from one of them.
+RAYBUNDLE_TARGET_CLONES
+void squared_distances(const Points2& board, std::size_t from, double* distances2) {
+  const double x = board[from].x(), y = board[from].y();
+  for (std::size_t j = 0; j < board.size(); ++j) {
+    const double dx = board[j].x() - x, dy = board[j].y() - y;
+    distances2[j] = dx * dx + dy * dy;
+  }
+}
+
 Neighbours neighbours_of(const Points2& board, std::size_t i) {
+  thread_local std::vector<double> all;
+  all.resize(board.size());
+  squared_distances(board, i, all.data());
   Neighbours near;
   std::array<double, kNeighbours> distance2;
   distance2.fill(std::numeric_limits<double>::infinity());
-  for (std::size_t j = 0; j < board.size(); ++j) {  // insertion: most corners are farther than the last one kept
-    const double d2 = (board[j] - board[i]).squaredNorm();
-    if (d2 >= distance2[kNeighbours - 1] || j == i) continue;
+  const auto look_at = [&](std::size_t j) {  // insertion: most corners are farther than the last one kept
+    const double d2 = all[j];
+    if (d2 >= distance2[kNeighbours - 1]) return;
     std::size_t at = near.count < kNeighbours ? near.count++ : kNeighbours - 1;
     for (; at > 0 && distance2[at - 1] > d2; --at) {
       distance2[at] = distance2[at - 1];
@@ -112,7 +125,10 @@ Neighbours neighbours_of(const Points2& board, std::size_t i) {
     }
     distance2[at] = d2;
     near.index[at] = j;
-  }
+  };
+  // Outwards: on boards the corners with the nearest numbers are among the nearest.
+  for (std::size_t j = i + 1; j < board.size(); ++j) look_at(j);
+  for (std::size_t j = i; j-- > 0;) look_at(j);
   near.reach2 = std::max(distance2[near.count - 1], 1e-30);
   return near;
 }
