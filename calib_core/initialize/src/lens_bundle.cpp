@@ -28,8 +28,7 @@ double view_cost(const LensFunctions& lens, const double* parameters, const Poin
   return cost;
 }
 
-// Of the cost: an iteration that lowers it by less is the last one; one that promises less is not tried.
-constexpr double kLastDecrease = 1e-4, kNoDecrease = 1e-6;
+constexpr double kNoDecrease = 1e-2;  ///< of the last decrease: an iteration that promises less is not tried
 
 void view_equations(const LensFunctions& lens, const double* parameters, const PointsInView& view, const Rigid3& pose,
                     const LensBundleOptions& options, ViewEquations& equations) {
@@ -219,7 +218,7 @@ LensBundleSummary refine_lens(const LensFunctions& lens, const std::vector<Point
     bool converged = false;
     while (!improved && lambda < 1e10) {
       if (solve_step(equations, options, parameters, lambda, eliminated, step)) {
-        if (std::abs(step.decrease) < kNoDecrease * summary.cost) break;
+        if (std::abs(step.decrease) < kNoDecrease * options.last_decrease * summary.cost) break;
         const LensVector moved = parameters + step.lens;
         std::vector<Rigid3> moved_poses = poses;
         if (!options.poses_fixed) {
@@ -227,7 +226,7 @@ LensBundleSummary refine_lens(const LensFunctions& lens, const std::vector<Point
         }
         const double cost = total_cost(moved, moved_poses);
         if (cost < summary.cost) {
-          converged = summary.cost - cost < kLastDecrease * summary.cost;
+          converged = summary.cost - cost < options.last_decrease * summary.cost;
           summary.cost = cost;
           parameters = moved;
           poses = std::move(moved_poses);

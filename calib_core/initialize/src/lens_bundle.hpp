@@ -12,6 +12,7 @@ namespace raybundle {
 struct LensBundleOptions {
   double scale_px = 3.0;  ///< of the Geman-McClure loss: corners far beyond have no pull, unprojectable ones neither
   int max_iterations = 20;
+  double last_decrease = 1e-4;  ///< of the cost: an iteration that lowers it by less is the last one
   bool poses_fixed = false;
   bool lens_fixed = false;
   bool with_information = false;  ///< fill LensBundleSummary::information

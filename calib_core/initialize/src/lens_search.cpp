@@ -19,6 +19,7 @@ constexpr double kMaxDistance_px = 100.0;   ///< a corner that does not project 
 constexpr std::size_t kSweepViews = 3;      ///< for the first, coarse sweep
 constexpr std::size_t kQuickViews = 6;      ///< for what is best in it
 constexpr std::size_t kQuickCorners = 12;   ///< of each of them
+constexpr double kQuickDecrease = 0.01;     ///< of the cost: what is won afterwards, the model asked for wins too
 constexpr double kGoodFitOfWidth = 1.2e-3;  ///< of the image: a lens that leaves more may be the wrong one
 constexpr std::size_t kRefined = 30;        ///< guesses of the sweep
 constexpr std::size_t kMostAnswers = 12;    ///< lenses that fit and differ
@@ -89,11 +90,17 @@ LensBundleOptions search_options(ImageSize size, double scale_px, bool bent) {
   return options;
 }
 
-void refine(const std::vector<PointsInView>& views, ImageSize size, bool bent, int iterations, LensGuess& guess) {
-  LensBundleOptions options = search_options(size, std::max(1.5, 4.0 * guess.score_px), bent);
+double loss_scale_px(const LensGuess& guess) { return std::max(1.5, 4.0 * guess.score_px); }
+
+/// Whether it has come to rest before the iterations were over.
+bool refine(const std::vector<PointsInView>& views, ImageSize size, bool bent, int iterations, LensGuess& guess,
+            double last_decrease = LensBundleOptions{}.last_decrease) {
+  LensBundleOptions options = search_options(size, loss_scale_px(guess), bent);
   options.max_iterations = iterations;
-  refine_lens(start_lens_functions(), views, options, guess.parameters, guess.poses);
+  options.last_decrease = last_decrease;
+  const LensBundleSummary summary = refine_lens(start_lens_functions(), views, options, guess.parameters, guess.poses);
   guess.score_px = robust_score(start_lens_functions(), guess.parameters.data(), views, guess.poses);
+  return summary.iterations < iterations;
 }
 
 /// Keeps the best guesses that are not each other's neighbours in the sweep.
@@ -175,27 +182,28 @@ std::optional<LensGuess> search_lens_quickly(const std::vector<PointsInView>& vi
   guesses = best_and_different(std::move(guesses), 3);
   for (LensGuess& guess : guesses) {
     guess = posed_anew(guess, few, few_frames, 2);
-    refine(few, size, false, 8, guess);
+    refine(few, size, false, 8, guess, kQuickDecrease);
   }
   const double best_px = std::ranges::min_element(guesses, {}, &LensGuess::score_px)->score_px;
   std::erase_if(guesses, [&](const LensGuess& guess) { return guess.score_px > 2.0 * best_px + 1.0; });
   guesses = best_and_different(guesses, guesses.size());  // most have come to the same lens
   for (LensGuess& guess : guesses) {
     guess = posed_anew(guess, views, frames, 4);
-    refine(views, size, false, 4, guess);
+    if (guesses.size() > 1) refine(views, size, false, 4, guess, kQuickDecrease);
   }
   LensGuess best = *std::ranges::min_element(guesses, {}, &LensGuess::score_px);
   for (int round = 0; round < 3; ++round) {
-    const double before = best.score_px;
-    refine(views, size, true, 8, best);
-    if (best.score_px > 0.98 * before) break;
+    const LensGuess before = best;
+    const bool rests = refine(views, size, true, 8, best, kQuickDecrease);
+    const bool next_is_the_same = rests && loss_scale_px(best) > 0.98 * loss_scale_px(before);
+    if (next_is_the_same || best.score_px > 0.98 * before.score_px) break;
   }
   if (!(best.score_px <= good_fit_px(size))) return std::nullopt;
   return best;
 }
 
 double focal_uncertainty(const std::vector<PointsInView>& views, ImageSize size, const LensGuess& guess) {
-  LensBundleOptions options = search_options(size, std::max(1.5, 4.0 * guess.score_px), false);
+  LensBundleOptions options = search_options(size, loss_scale_px(guess), false);
   options.max_iterations = 0;
   options.with_information = true;
   LensVector parameters = guess.parameters;

@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t kPlainCorners = 16;   ///< of a view, for the pose that is tried first
 constexpr std::size_t kJudgedCorners = 32;  ///< of a view, for whether that one is right
 
-constexpr double kSettled = 1e-3;  ///< of the cost: the bundle does the rest
+constexpr double kSettled = 1e-2;  ///< of the cost: the bundle does the rest
 
 /// Angle [rad] of one pixel where the view's corners are: the median over some of them.
 double angle_of_pixel(const LensFunctions& lens, const double* parameters, const PointsInView& view) {
@@ -100,7 +100,8 @@ std::optional<Rigid3> plain_pose(const LensFunctions& lens, const double* parame
   const double cost = refine(pose, 10);
   if (!flat) return pose;
   Rigid3 mirrored = mirrored_pose(pose, frame);
-  if (refine(mirrored, 2) > 4.0 * cost) return pose;
+  // Where perspective tells them apart, the first step shows it.
+  if (refine(mirrored, 1) > 16.0 * cost || refine(mirrored, 1) > 4.0 * cost) return pose;
   return refine(mirrored, 10) < cost ? mirrored : pose;
 }
 
