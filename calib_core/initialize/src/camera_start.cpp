@@ -21,9 +21,10 @@ namespace {
 
 constexpr double kFit_px = 3.0;             ///< a corner fits a good lens within this
 constexpr std::size_t kSearchViews = 16;    ///< for the sweep
-constexpr std::size_t kSearchCorners = 30;  ///< of each of them
+constexpr std::size_t kSearchCorners = 32;  ///< of each of them
 constexpr std::size_t kRefineViews = 32;    ///< for the last refinement
-constexpr std::size_t kRefineCorners = 40;
+constexpr std::size_t kRefineCorners = 44;
+constexpr double kPolished = 1e-3;        ///< of the cost: an iteration that wins less is the last one
 constexpr double kShareOfViews = 0.7;     ///< a lens under which fewer views fit is looked for once more, thoroughly
 constexpr double kOffAxisWeight = 100.0;  ///< of a prior: 0.01 costs as much as one corner that is off by a pixel
 constexpr double kOtherFocal = 0.05;      ///< relative: lenses whose focal lengths differ by less are one
@@ -115,6 +116,7 @@ void polish(ModelId model, ImageSize size, const std::vector<PointsInView>& view
     LensBundleOptions options = model_options(model, guess.parameters, scale_px());
     expect_ordinary_lens(lens, size, guess.parameters, options);
     options.max_iterations = 10;
+    options.last_decrease = kPolished;
     const int iterations = refine_lens(lens, views, options, guess.parameters, guess.poses).iterations;
     guess.score_px = robust_score(lens, guess.parameters.data(), views, guess.poses);
     const bool next_is_the_same = scale_px() > 0.98 * options.scale_px;

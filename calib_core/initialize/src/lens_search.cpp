@@ -18,7 +18,7 @@ namespace {
 constexpr double kMaxDistance_px = 100.0;   ///< a corner that does not project counts like one that is this far off
 constexpr std::size_t kSweepViews = 3;      ///< for the first, coarse sweep
 constexpr std::size_t kQuickViews = 6;      ///< for what is best in it
-constexpr std::size_t kQuickCorners = 12;   ///< of each of them
+constexpr std::size_t kQuickCorners = 16;   ///< of each of them
 constexpr double kQuickDecrease = 0.01;     ///< of the cost: what is won afterwards, the model asked for wins too
 constexpr double kGoodFitOfWidth = 1.2e-3;  ///< of the image: a lens that leaves more may be the wrong one
 constexpr std::size_t kRefined = 30;        ///< guesses of the sweep

@@ -12,7 +12,7 @@ namespace raybundle {
 namespace {
 
 constexpr double kGoodFit_px = 0.3;    ///< the polish on corners does the rest
-constexpr std::size_t kSamples = 150;  ///< rays that a fit is made on
+constexpr std::size_t kSamples = 152;  ///< rays that a fit is made on
 
 constexpr std::array kTimesOwnShape{0.5, 0.75, 1.33};  ///< where fits start that look for others than a known one
 

@@ -15,8 +15,8 @@
 namespace raybundle {
 namespace {
 
-constexpr std::size_t kPlainCorners = 16;   ///< of a view, for the pose that is tried first
-constexpr std::size_t kJudgedCorners = 32;  ///< of a view, for whether that one is right
+constexpr std::size_t kPlainCorners = 20;   ///< of a view, for the pose that is tried first
+constexpr std::size_t kJudgedCorners = 36;  ///< of a view, for whether that one is right
 
 constexpr double kSettled = 1e-2;  ///< of the cost: the bundle does the rest
 

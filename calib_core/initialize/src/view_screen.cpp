@@ -54,8 +54,8 @@ std::array<std::size_t, 4> extreme_corners(const Points2& pixels) {
   return extreme;
 }
 
-/// Indices of at most `count` + 4 corners: the extreme ones, and steps of the golden ratio, which fall on all rows and
-/// columns of any grid.
+/// Indices of `count` corners, or of all when there are fewer: the extreme ones, and steps of the golden ratio, which
+/// fall on all rows and columns of any grid. No more than asked for: counts are multiples of the lanes.
 std::vector<std::size_t> thinned_indices(const PointsInView& view, std::size_t count) {
   const std::size_t size = view.points.size();
   std::vector<std::size_t> chosen;
@@ -66,14 +66,18 @@ std::vector<std::size_t> thinned_indices(const PointsInView& view, std::size_t c
   }
   thread_local std::vector<char> taken;
   taken.assign(size, 0);
-  for (const std::size_t i : extreme_corners(view.pixels)) taken[i] = 1;
-  double place = 0.0;
-  for (std::size_t k = 0; k < count; ++k) {
+  std::size_t left = count;
+  const auto take = [&](std::size_t i) {
+    left -= taken[i] == 0 && left > 0;
+    taken[i] = 1;
+  };
+  for (const std::size_t i : extreme_corners(view.pixels)) take(i);
+  for (double place = 0.0; left > 0;) {
     place += 0.6180339887498949;
     if (place >= 1.0) place -= 1.0;
-    taken[static_cast<std::size_t>(place * static_cast<double>(size))] = 1;
+    take(static_cast<std::size_t>(place * static_cast<double>(size)));
   }
-  chosen.reserve(count + 4);
+  chosen.reserve(count);
   for (std::size_t i = 0; i < size; ++i) {
     if (taken[i]) chosen.push_back(i);
   }
