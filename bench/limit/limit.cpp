@@ -218,17 +218,24 @@ BundleSummary solve(const CalibrationProblem& problem, BundleState& state) {
   std::vector<Normal> there(views.size());
   BundleSummary summary;
   double cost = summary.initial_cost = linearize(views, point, here);
-  double radius = 1e6;
+  double radius = 1e9;
   double shrink = 2;
+  double promised = 0;  // by the step before
   Point candidate;
   while (summary.iterations++ < 100 && radius > 1e-32) {
     const double predicted = step(here, radius, point, candidate);
     if (predicted <= 1e-14 * cost) break;
+    if (predicted <= 1e-6 * cost && predicted * std::min(1.0, predicted / promised) <= 1e-14 * cost) {
+      std::swap(point, candidate);  // as solve_bundle, which does not look at what the last step leads to either
+      cost -= predicted;
+      break;
+    }
     const double new_cost = linearize(views, candidate, there);
     const double gain = (cost - new_cost) / predicted;
     if (gain > 1e-3) {
       radius = std::min(1e16, radius / std::max(1.0 / 3, 1 - std::pow(2 * gain - 1, 3)));
       shrink = 2;
+      promised = predicted;
       const bool settled = cost - new_cost <= 1e-14 * cost;
       std::swap(point, candidate);
       std::swap(here, there);
