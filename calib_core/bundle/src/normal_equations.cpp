@@ -17,30 +17,9 @@ namespace {
 using Kind = ParameterBlock::Kind;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Matrix6X = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 using Rows6 = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>;
 
 constexpr int kMostChunks = 64;  // of poses that are summed up apart: enough for the threads, few enough for the memory
-
-// A view's normal equations with the motion of rig_from_target in place of that in camera axes and, behind all other
-// columns, the motion of camera_from_rig; both triangles.
-Eigen::MatrixXd expanded(const Eigen::MatrixXd& products, const MotionMap& map, Eigen::Index intrinsics) {
-  const Eigen::Index n = products.cols();
-  Eigen::MatrixXd result(n + 6, n + 6);
-  result.topLeftCorner(n, n) = products.selfadjointView<Eigen::Upper>();
-  const Matrix6 wrt_pose = map.wrt_rig_from_target();
-  const Matrix6 wrt_camera = map.wrt_camera_from_rig();
-  const Matrix6X rows = result.middleRows<6>(intrinsics).leftCols(n);
-  const Matrix6 among = rows.middleCols<6>(intrinsics);
-  result.block(intrinsics, 0, 6, n).noalias() = wrt_pose.transpose() * rows;
-  result.block(n, 0, 6, n).noalias() = wrt_camera.transpose() * rows;
-  result.block<6, 6>(intrinsics, intrinsics) = wrt_pose.transpose() * among * wrt_pose;
-  result.block<6, 6>(n, intrinsics) = wrt_camera.transpose() * among * wrt_pose;
-  result.block<6, 6>(n, n) = wrt_camera.transpose() * among * wrt_camera;
-  result.block(0, intrinsics, n, 6) = result.block(intrinsics, 0, 6, n).transpose().eval();
-  result.block(0, n, n, 6) = result.block(n, 0, 6, n).transpose();
-  return result;
-}
 
 // rows become U⁻ᵀ rows.
 void solve_forward(const Matrix6& upper, Rows6& rows) {

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "raybundle/bundle/view_block.hpp"
+#include "view_rows.hpp"
 
 namespace raybundle {
 
@@ -19,5 +20,11 @@ struct ViewNormal {
 
 /// False where linearize_view is.
 bool accumulate_view(const ViewData& view, const ViewPoint& point, const ViewBlockOptions& options, ViewNormal& normal);
+
+/// A view's products with the motion of rig_from_target in place of that in camera axes and, behind all other columns,
+/// the motion of camera_from_rig; both triangles.
+///
+/// @param intrinsics  how many columns they have
+Eigen::MatrixXd expanded(const Eigen::MatrixXd& products, const MotionMap& map, Eigen::Index intrinsics);
 
 }  // namespace raybundle

@@ -7,7 +7,6 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "pose_information.hpp"
 #include "raybundle/uncertainty/image_cells.hpp"
 
 namespace raybundle {
@@ -58,7 +57,7 @@ Rigid3 camera_from_board(const Eigen::Vector3d& ray, double distance_m, const Ti
 }  // namespace
 
 std::vector<BoardCandidate> board_candidates(const Calibration& calibration, int camera, int target,
-                                             const CameraCoverage& seen) {
+                                             const ImaginedBoard& imagined, const CameraCoverage& seen) {
   const RigCamera& lens = calibration.cameras[camera];
   const Target& board = calibration.targets[target].target;
   const Eigen::Vector3d centre = box_of(board).center();
@@ -73,7 +72,7 @@ std::vector<BoardCandidate> board_candidates(const Calibration& calibration, int
     for (const double distance : distances(seen)) {
       for (const Tilt& tilt : kTilts) {
         const Rigid3 rig_from_target = lens.camera_from_rig.inverse() * camera_from_board(*ray, distance, tilt, centre);
-        const auto points = imagined_corners(calibration, camera, target, rig_from_target, 1.0).pixel.rows();
+        const std::size_t points = imagined.seen_by(camera, rig_from_target).size();
         if (static_cast<double>(points) < kSeenShare * static_cast<double>(board.points.size())) continue;
         candidates.push_back({camera, rig_from_target,
                               fmt::format("hold {} at {} of camera {}, {:.2f} m away, {}", name,

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "imagined_board.hpp"
 #include "raybundle/uncertainty/coverage.hpp"
 
 namespace raybundle {
@@ -17,8 +18,10 @@ struct BoardCandidate {
 
 /// Boards all over a camera's image, near and far, facing it and tilted towards four sides, of which the camera sees
 /// at least half of the points.
+///
+/// @param imagined  the target
 std::vector<BoardCandidate> board_candidates(const Calibration& calibration, int camera, int target,
-                                             const CameraCoverage& seen);
+                                             const ImaginedBoard& imagined, const CameraCoverage& seen);
 
 /// Edge of a board's points in a camera's image, point by point; empty when a part of it does not project.
 std::vector<Eigen::Vector2d> outline_in_image(const RigCamera& camera, const Target& target,

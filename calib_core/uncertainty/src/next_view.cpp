@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "raybundle/uncertainty/next_view.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,48 +10,17 @@
 #include "beam_knowledge.hpp"
 #include "board_candidates.hpp"
 #include "figures.hpp"
-#include "pose_information.hpp"
-#include "raybundle/geometry/gram.hpp"
+#include "image_sigmas.hpp"
+#include "imagined_board.hpp"
 #include "raybundle/geometry/quantile.hpp"
 #include "raybundle/geometry/threads.hpp"
-#include "raybundle/scene/parameter_names.hpp"
 #include "raybundle/uncertainty/coverage.hpp"
-#include "raybundle/uncertainty/image_cells.hpp"
-#include "raybundle/uncertainty/projection_uncertainty.hpp"
+#include "updated_covariance.hpp"
 
 namespace raybundle {
 namespace {
 
 constexpr int kPlacesAcross = 12;  // at which the uncertainty is looked at, for hundreds of candidates
-constexpr int kFewestCorners = 6;  // by which a camera ties a board to the rig
-
-// Views of a board by all cameras that see enough of it.
-std::vector<ViewData> imagined_views(const Calibration& calibration, int target, const Rigid3& rig_from_target,
-                                     double sigma_px) {
-  std::vector<ViewData> views;
-  for (int c = 0; c < static_cast<int>(calibration.cameras.size()); ++c) {
-    ViewData view = imagined_corners(calibration, c, target, rig_from_target, sigma_px);
-    if (view.pixel.rows() >= kFewestCorners) views.push_back(std::move(view));
-  }
-  return views;
-}
-
-// U of C = U U'.
-Eigen::MatrixXd root_of(const Eigen::MatrixXd& covariance) {
-  const Eigen::LDLT<Eigen::MatrixXd> ldlt(covariance);
-  const Eigen::MatrixXd lower = ldlt.matrixL();
-  return ldlt.transpositionsP().transpose() * (lower * ldlt.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal());
-}
-
-// (C^-1 + H)^-1 = U (1 + U' H U)^-1 U': no inverse of a covariance is formed.
-Eigen::MatrixXd updated(const Eigen::MatrixXd& root, Eigen::MatrixXd whitened_information) {
-  const Eigen::Index size = root.rows();
-  whitened_information.diagonal().array() += 1.0;
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(padded_for_gram(size), size), product;  // as gram() wants them
-  rows.topRows(size) = whitened_information.llt().matrixL().solve(root.transpose());
-  gram(rows, product);
-  return product.selfadjointView<Eigen::Upper>();
-}
 
 // Of a corner, as the solve found it: its stated sigma and how far residuals exceed such ones.
 double corner_sigma(const CalibrationProblem& problem, const CalibrationResult& result) {
@@ -105,54 +73,18 @@ struct Start {
   }
 };
 
-// How projections all over a camera's image depend on its parameters: looked at once, for hundreds of covariances.
-struct ImageDerivatives {
-  std::vector<std::string> parameters;
-  Eigen::MatrixXd of_u, of_v;  // at infinity, a row for each place
-
-  explicit ImageDerivatives(const RigCamera& camera) : parameters(intrinsic_names(camera)) {
-    const ProjectionUncertainty uncertainty = projection_uncertainty(camera, {});
-    const ImageSize size = camera.camera.size;
-    const int rows = rows_of_square_cells(size, kPlacesAcross);
-    std::vector<Eigen::Matrix2Xd> at_infinity;
-    for (int row = 0; row < rows; ++row) {
-      for (int column = 0; column < kPlacesAcross; ++column) {
-        const Eigen::Vector2d pixel = middle_of_cell(size, rows, kPlacesAcross, row, column);
-        auto derivatives = projection_derivatives(uncertainty, pixel, kInfinitelyFar);
-        if (derivatives) at_infinity.push_back(std::move(*derivatives));
-      }
-    }
-    of_u.resize(std::ssize(at_infinity), std::ssize(parameters));
-    of_v.resizeLike(of_u);
-    for (Eigen::Index i = 0; i < of_u.rows(); ++i) {
-      of_u.row(i) = at_infinity[i].row(0);
-      of_v.row(i) = at_infinity[i].row(1);
-    }
-  }
-
-  // Of each place, as largest_sigma().
-  Eigen::ArrayXd largest_variances(const Covariance& covariance) const {
-    const Eigen::MatrixXd of_lens = covariance.block(parameters);
-    const Eigen::MatrixXd along_u = of_u.lazyProduct(of_lens), along_v = of_v.lazyProduct(of_lens);
-    const Eigen::ArrayXd uu = along_u.cwiseProduct(of_u).rowwise().sum();
-    const Eigen::ArrayXd vv = along_v.cwiseProduct(of_v).rowwise().sum();
-    const Eigen::ArrayXd uv = along_u.cwiseProduct(of_v).rowwise().sum();
-    return 0.5 * (uu + vv + ((uu - vv).square() + 4.0 * uv.square()).sqrt());
-  }
-};
-
 // What the views are to reduce, whatever is known.
 struct Objective {
   const Calibration& calibration;
   std::optional<Requirement> requirement;
   std::vector<Subject> subjects;
-  std::vector<ImageDerivatives> images;  // without a requirement
+  std::vector<ImageSigmas> images;  // at infinity, without a requirement
 
   Objective(const Calibration& of, const std::optional<Requirement>& wanted) : calibration(of) {
     choose_subjects(wanted);
     if (requirement) return;
     for (const RigCamera& camera : calibration.cameras) {
-      if (camera.evidence) images.emplace_back(camera);
+      if (camera.evidence) images.emplace_back(camera, calibration.covariance, kPlacesAcross);
     }
   }
 
@@ -198,8 +130,8 @@ struct Objective {
   double rms(const Covariance& covariance) const {
     double sum = 0.0;
     int count = 0;
-    for (const ImageDerivatives& image : images) {
-      for (const double variance : image.largest_variances(covariance)) {
+    for (const ImageSigmas& image : images) {
+      for (const double variance : image.largest_variances(covariance.matrix)) {
         if (!std::isfinite(variance)) continue;
         sum += variance;
         ++count;
@@ -271,10 +203,11 @@ NextViews next_best_views(const CalibrationProblem& problem, const CalibrationRe
   const double corner_px = corner_sigma(problem, result), dot_px = dot_sigma(problem, result);
   const Start start(calibration);
   const std::vector<CameraCoverage> seen = coverage(problem, result);
+  const ImaginedBoard imagined(calibration, *target);
   std::vector<Choice> choices;
   for (int c = 0; c < static_cast<int>(calibration.cameras.size()); ++c) {
     if (!calibration.cameras[c].evidence) continue;
-    for (BoardCandidate& board : board_candidates(calibration, c, *target, seen[c])) {
+    for (BoardCandidate& board : board_candidates(calibration, c, *target, imagined, seen[c])) {
       choices.push_back({std::move(board), {}});
     }
   }
@@ -282,9 +215,7 @@ NextViews next_best_views(const CalibrationProblem& problem, const CalibrationRe
     const Rigid3& pose = choices[i].board.rig_from_target;
     Information& information = choices[i].information;
     if (objective.needs_parameters()) {
-      const std::vector<ViewData> views = imagined_views(calibration, *target, pose, corner_px);
-      const Eigen::MatrixXd added = pose_information(calibration, views, pose);
-      information.of_parameters = start.root.transpose() * (added * start.root);
+      information.of_parameters = start.root.transpose() * (imagined.information(pose, corner_px) * start.root);
     }
     if (objective.needs_beams() && dot_px > 0.0) {
       information.of_beams = imagined_dots(calibration, *target, pose, dot_px);

@@ -17,17 +17,9 @@ namespace raybundle {
 Eigen::MatrixXd rows_beside_pose(const Calibration& calibration, const std::vector<ViewData>& views,
                                  const Rigid3& rig_from_target);
 
-/// JᵀJ of the same rows, faster: to the root of their precision, which is enough for views that are imagined.
-Eigen::MatrixXd pose_information(const Calibration& calibration, const std::vector<ViewData>& views,
-                                 const Rigid3& rig_from_target);
-
 /// The corners of a view that a solve used, with the labels that it settled on.
 ///
 /// @param camera  index of the view's camera in the calibration
 ViewData used_corners(const CalibrationProblem& problem, const CalibrationResult& result, int view, int camera);
-
-/// What a camera would see of a board: the points within its image; no rows when there are none.
-ViewData imagined_corners(const Calibration& calibration, int camera, int target, const Rigid3& rig_from_target,
-                          double sigma_px);
 
 }  // namespace raybundle

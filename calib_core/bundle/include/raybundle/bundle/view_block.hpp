@@ -68,4 +68,12 @@ struct ViewBlock {
 /// meaningful. No corner ever gets a made-up residual.
 bool linearize_view(const ViewData& view, const ViewPoint& point, const ViewBlockOptions& options, ViewBlock& block);
 
+/// The products [J r]ᵀ[J r] of the rows that linearize_view() makes, without the rows; both triangles.
+///
+/// Columns: intrinsics, motion of rig_from_target, [bend_x, bend_y, twist,] residual, motion of camera_from_rig.
+///
+/// @return  false where linearize_view() is
+bool multiply_view(const ViewData& view, const ViewPoint& point, const ViewBlockOptions& options,
+                   Eigen::MatrixXd& products);
+
 }  // namespace raybundle
