@@ -27,6 +27,10 @@ std::vector<int> Layout::columns_of(ParameterBlock::Kind kind, int owner) const 
   return result;
 }
 
+bool Layout::estimates_lens(int camera) const {
+  return !free[block(ParameterBlock::Kind::kIntrinsics, camera)].empty();
+}
+
 bool Layout::estimates_shape(int target) const { return !free[block(ParameterBlock::Kind::kShape, target)].empty(); }
 
 Eigen::MatrixXd prior_rows(const Layout& layout, const ParameterBlock& block, const PriorResidual& prior) {

@@ -23,6 +23,7 @@ struct Layout {
   /// Column of each of a block's parameters, -1 for those that are not free.
   std::vector<int> columns_of(ParameterBlock::Kind kind, int owner) const;
 
+  bool estimates_lens(int camera) const;
   bool estimates_shape(int target) const;
 
   /// Writes the free columns of a block's Jacobian into rows of the whole one.

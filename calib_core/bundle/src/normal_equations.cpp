@@ -105,16 +105,17 @@ NormalEquations::NormalEquations(const CalibrationProblem& problem, const Bundle
       refusals_(problem.views.size(), 0) {
   for (const ParameterBlock& block : layout_.blocks) prior_means_.push_back(prior_mean(problem, state, block));
   for (const ViewData& view : views_) {
-    view_options_.push_back(
-        {.with_shape = layout_.estimates_shape(view.target), .robust_scale_sigma = options.robust_scale_sigma});
+    view_options_.push_back({.with_shape = layout_.estimates_shape(view.target),
+                             .robust_scale_sigma = options.robust_scale_sigma,
+                             .lens_fixed = !layout_.estimates_lens(view.camera)});
   }
   group_by_pose(state.poses.size());
   number_beams(state, options);
 }
 
 // Columns of the layout for each column of expanded(), -1 for those that it does not have.
-std::vector<int> NormalEquations::columns_of(int camera, int target) const {
-  std::vector<int> columns = layout_.columns_of(Kind::kIntrinsics, camera);
+std::vector<int> NormalEquations::columns_of(int camera, int target, bool lens_fixed) const {
+  std::vector<int> columns = lens_fixed ? std::vector<int>() : layout_.columns_of(Kind::kIntrinsics, camera);
   const auto append = [&](const std::vector<int>& more) { columns.insert(columns.end(), more.begin(), more.end()); };
   append(std::vector<int>(6, -1));
   if (layout_.estimates_shape(target)) append(layout_.columns_of(Kind::kShape, target));
@@ -124,13 +125,13 @@ std::vector<int> NormalEquations::columns_of(int camera, int target) const {
 }
 
 // The same in the local equations of a pose.
-std::vector<int> NormalEquations::local_columns(const PoseViews& group, int camera, int target) const {
-  std::vector<int> local = columns_of(camera, target);
+std::vector<int> NormalEquations::local_columns(const PoseViews& group, int camera, int target, bool lens_fixed) const {
+  std::vector<int> local = columns_of(camera, target, lens_fixed);
   for (int& column : local) {
     if (column >= 0)
       column = 6 + static_cast<int>(std::ranges::lower_bound(group.columns, column) - group.columns.begin());
   }
-  const auto motion = layout_.columns_of(Kind::kIntrinsics, camera).size();
+  const auto motion = lens_fixed ? 0 : layout_.columns_of(Kind::kIntrinsics, camera).size();
   for (int k = 0; k < 6; ++k) local[motion + k] = k;
   local[motion + 6 + (layout_.estimates_shape(target) ? 3 : 0)] = 6 + static_cast<int>(group.columns.size());
   return local;
@@ -166,7 +167,9 @@ void NormalEquations::group_by_pose(std::size_t poses) {
     std::ranges::sort(group.columns);
     group.columns.erase(std::unique(group.columns.begin(), group.columns.end()), group.columns.end());
     group.columns.shrink_to_fit();
-    for (int v : group.views) local_columns_[v] = local_columns(group, views_[v].camera, views_[v].target);
+    for (int v : group.views) {
+      local_columns_[v] = local_columns(group, views_[v].camera, views_[v].target, view_options_[v].lens_fixed);
+    }
     for (int v : group.dots) dot_columns_[v] = local_columns(group, dots_[v].camera, dots_[v].target);
   });
 }
@@ -203,8 +206,8 @@ void NormalEquations::fill_local_equations(const PoseViews& group, const Unknown
     if (views_[v].camera == 0) {
       add_products(products, columns, local);  // its frame is the rig's
     } else {
-      add_products(expanded(products, MotionMap(unknowns.at(views_[v])), unknowns.intrinsics[views_[v].camera].size()),
-                   columns, local);
+      const Eigen::Index intrinsics = view_options_[v].lens_fixed ? 0 : unknowns.intrinsics[views_[v].camera].size();
+      add_products(expanded(products, MotionMap(unknowns.at(views_[v])), intrinsics), columns, local);
     }
   }
 }

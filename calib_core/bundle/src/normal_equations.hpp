@@ -77,8 +77,8 @@ class NormalEquations {
   struct DotPart;
 
   void group_by_pose(std::size_t poses);
-  std::vector<int> columns_of(int camera, int target) const;
-  std::vector<int> local_columns(const PoseViews& group, int camera, int target) const;
+  std::vector<int> columns_of(int camera, int target, bool lens_fixed = false) const;
+  std::vector<int> local_columns(const PoseViews& group, int camera, int target, bool lens_fixed = false) const;
   void fill_local_equations(const PoseViews& group, const Unknowns& unknowns, const Linearization& at,
                             Eigen::MatrixXd& local) const;
   bool eliminate(const PoseViews& group, double radius, Eigen::MatrixXd& local, EliminatedPose& pose,

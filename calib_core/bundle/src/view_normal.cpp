@@ -17,12 +17,16 @@ bool accumulate_view(const ViewData& view, const ViewPoint& point, const ViewBlo
   thread_local ViewRows rows;
   thread_local Eigen::MatrixXd product;
   if (!fill_rows(view, point, MotionMap(point), options, rows)) return false;
-  normal.products.setZero(rows.unknowns() + 1, rows.unknowns() + 1);
+  const int first = options.lens_fixed ? rows.motion() : 0;  // column
+  const int left_out = options.lens_fixed ? 4 + rows.model_shape_size : 0;
+  const int size = rows.unknowns() + 1 - left_out;
+  normal.products.setZero(size, size);
   for (int axis = 0; axis < 2; ++axis) {
-    gram(axis == 0 ? rows.u : rows.v, product);
-    for (int b = 0; b < rows.columns(); ++b) {
-      double* column = &normal.products(0, ViewRows::full_column(b, axis));
-      for (int a = 0; a <= b; ++a) column[ViewRows::full_column(a, axis)] += product(a, b);
+    gram(axis == 0 ? rows.u : rows.v, product, first);
+    for (int b = first; b < rows.columns(); ++b) {
+      double* column = &normal.products(0, ViewRows::full_column(b, axis) - left_out);
+      for (int a = first; a <= b; ++a)
+        column[ViewRows::full_column(a, axis) - left_out] += product(a - first, b - first);
     }
   }
   normal.chi2 = rows.robust_chi2;

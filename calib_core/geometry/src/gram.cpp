@@ -17,16 +17,17 @@ constexpr int kTileColumns = 3;
 }  // namespace
 
 RAYBUNDLE_TARGET_CLONES
-void gram(const Eigen::MatrixXd& rows, Eigen::MatrixXd& product) {
-  const int columns = static_cast<int>(rows.cols());
+void gram(const Eigen::MatrixXd& rows, Eigen::MatrixXd& product, int first) {
+  const int columns = static_cast<int>(rows.cols()) - first;
   const Eigen::Index stride = rows.rows();
+  const double* const begin = rows.data() + first * stride;
   product.resize(columns, columns);
   for (int a = 0; a < columns; a += kTileRows) {
     for (int b = a / kTileColumns * kTileColumns; b < columns; b += kTileColumns) {
       const double* left[kTileRows];
       const double* right[kTileColumns];
-      for (int k = 0; k < kTileRows; ++k) left[k] = rows.data() + std::min(a + k, columns - 1) * stride;
-      for (int l = 0; l < kTileColumns; ++l) right[l] = rows.data() + std::min(b + l, columns - 1) * stride;
+      for (int k = 0; k < kTileRows; ++k) left[k] = begin + std::min(a + k, columns - 1) * stride;
+      for (int l = 0; l < kTileColumns; ++l) right[l] = begin + std::min(b + l, columns - 1) * stride;
       Lane sum[kTileRows][kTileColumns] = {};
       for (Eigen::Index i = 0; i < stride; i += 4) {
         for (int k = 0; k < kTileRows; ++k) {

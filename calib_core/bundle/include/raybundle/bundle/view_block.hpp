@@ -47,6 +47,7 @@ struct ViewPoint {
 struct ViewBlockOptions {
   bool with_shape = false;          ///< fill ViewBlock::wrt_shape
   double robust_scale_sigma = 0.0;  ///< as BundleOptions
+  bool lens_fixed = false;          ///< leave the intrinsics out of products
 };
 
 /// The whitened residual (projected minus measured) of one view, two rows for each corner, and its Jacobians at a

@@ -13,7 +13,8 @@ inline Eigen::Index padded_for_gram(Eigen::Index rows) { return (rows + kGramRow
 
 /// Upper triangle of rowsᵀ rows.
 ///
-/// @param rows  their number is a multiple of kGramRows
-void gram(const Eigen::MatrixXd& rows, Eigen::MatrixXd& product);
+/// @param rows   their number is a multiple of kGramRows
+/// @param first  of the columns that are taken
+void gram(const Eigen::MatrixXd& rows, Eigen::MatrixXd& product, int first = 0);
 
 }  // namespace raybundle
