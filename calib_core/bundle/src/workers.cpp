@@ -5,6 +5,16 @@
 #include "raybundle/geometry/threads.hpp"
 
 namespace raybundle {
+namespace {
+
+// The next loop of a solve, or the end of one, is mostly nearer than a thread would take to fall asleep and be woken.
+void wait_for_change(const std::atomic<int>& value, int seen) {
+  constexpr int kLooks = 100;  // for some tens of microseconds
+  for (int look = 0; look < kLooks && value == seen; ++look) std::this_thread::yield();
+  value.wait(seen);
+}
+
+}  // namespace
 
 Workers::Workers(int threads) : others_(start_threads(threads - 1, [this] { wait_for_loops(); })) {}
 
@@ -26,7 +36,7 @@ void Workers::for_each(int count, const std::function<void(int)>& function) {
     loops_.notify_all();
   }
   work();
-  for (int busy = busy_; busy > 0; busy = busy_) busy_.wait(busy);
+  for (int busy = busy_; busy > 0; busy = busy_) wait_for_change(busy_, busy);
 }
 
 void Workers::work() {
@@ -37,7 +47,7 @@ void Workers::work() {
 
 void Workers::wait_for_loops() {
   for (int seen = 0;;) {
-    loops_.wait(seen);
+    wait_for_change(loops_, seen);
     seen = loops_;
     if (seen < 0) return;
     work();

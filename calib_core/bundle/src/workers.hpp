@@ -10,7 +10,7 @@
 
 namespace raybundle {
 
-/// Threads that live as long as the solve and sleep between its loops.
+/// Threads that live as long as the solve and sleep between its loops, unless these follow each other closely.
 class Workers {
  public:
   /// @param threads  of which the calling one is the first; fewer, with the same results, when the system gives no more
