@@ -82,11 +82,11 @@ Json rounded(double value) {
 
 // By the corners' noise or by how the frames scatter, whichever is larger.
 UncertaintyMap larger_map(const RigCamera& camera, const Calibration& calibration, double range_m) {
-  UncertaintyMap map = uncertainty_map(projection_uncertainty(camera, calibration.covariance), range_m, kMapColumns);
-  if (!calibration.covariance_by_frame) return map;
-  const ProjectionUncertainty by_frame = projection_uncertainty(camera, *calibration.covariance_by_frame);
-  map.sigma_px = map.sigma_px.cwiseMax(uncertainty_map(by_frame, range_m, kMapColumns).sigma_px);
-  return map;
+  std::vector<ProjectionUncertainty> both{projection_uncertainty(camera, calibration.covariance)};
+  if (calibration.covariance_by_frame) {
+    both.push_back(projection_uncertainty(camera, *calibration.covariance_by_frame));
+  }
+  return uncertainty_map(both, range_m, kMapColumns);
 }
 
 Json json_of_maps(const std::vector<double>& ranges_m, const CalibrationResult& result) {

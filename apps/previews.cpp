@@ -11,6 +11,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "image_codec.hpp"
 #include "image_files.hpp"
@@ -124,10 +125,7 @@ struct Plane {
   }
 };
 
-double angle_of(const Camera& camera, const Observation& observation) {
-  const auto ray = ray_from_pixel(camera, observation.pixel);
-  return ray ? std::atan2(ray->head<2>().norm(), ray->z()) : 0.0;
-}
+double angle_of(const Eigen::Vector3d& ray) { return std::atan2(ray.head<2>().norm(), ray.z()); }
 
 // From the first to the last used corner of each row of the board: what lies between has to lie on it.
 Json straight_lines(const Camera& camera, const Plane& plane, const Target& target, const TargetView& view,
@@ -169,15 +167,18 @@ void for_each_used(const CalibrationProblem& problem, const CalibrationResult& r
 void add_undistorted(const CalibrationProblem& problem, const CalibrationResult& result, const RigCamera& camera,
                      Json& pictures) {
   double seen_to = 0.0;
-  for_each_used(problem, result, camera.name, [&](int, const Observation& observation) {
-    seen_to = std::max(seen_to, angle_of(camera.camera, observation));
+  std::vector<std::pair<int, Eigen::Vector3d>> rays;  // of used corners, with their views
+  for_each_used(problem, result, camera.name, [&](int v, const Observation& observation) {
+    const auto ray = ray_from_pixel(camera.camera, observation.pixel);
+    if (!ray) return;
+    rays.emplace_back(v, *ray);
+    seen_to = std::max(seen_to, angle_of(*ray));
   });
   const Plane plane(camera.camera, seen_to);
   std::vector<double> sums(problem.views.size(), 0.0);  // many corners far off the axis, and in the picture, show most
-  for_each_used(problem, result, camera.name, [&](int v, const Observation& observation) {
-    const auto ray = ray_from_pixel(camera.camera, observation.pixel);
-    if (ray && plane.shows(*ray)) sums[v] += angle_of(camera.camera, observation);
-  });
+  for (const auto& [v, ray] : rays) {
+    if (plane.shows(ray)) sums[v] += angle_of(ray);
+  }
   const auto best = static_cast<int>(std::ranges::max_element(sums) - sums.begin());
   if (sums.empty() || sums[best] == 0.0) return;
   const TargetView& view = problem.views[best];

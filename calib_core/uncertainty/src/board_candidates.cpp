@@ -30,9 +30,9 @@ const Tilt kTilts[] = {{{0, 0, 0}, "facing the camera"},
                        {{-1, 0, 0}, "its lower side tilted by 45° towards the camera"},
                        {{1, 0, 0}, "its upper side tilted by 45° towards the camera"}};
 
-std::vector<double> distances(const CameraCoverage& seen) {
-  const bool alike = seen.farthest_m < kAlike * seen.nearest_m;
-  const double nearest = seen.nearest_m / (alike ? kWider : 1.0), farthest = seen.farthest_m * (alike ? kWider : 1.0);
+std::vector<double> distances(const CameraCoverage& held) {
+  const bool alike = held.farthest_m < kAlike * held.nearest_m;
+  const double nearest = held.nearest_m / (alike ? kWider : 1.0), farthest = held.farthest_m * (alike ? kWider : 1.0);
   return {nearest, std::sqrt(nearest * farthest), farthest};
 }
 
@@ -57,7 +57,7 @@ Rigid3 camera_from_board(const Eigen::Vector3d& ray, double distance_m, const Ti
 }  // namespace
 
 std::vector<BoardCandidate> board_candidates(const Calibration& calibration, int camera, int target,
-                                             const ImaginedBoard& imagined, const CameraCoverage& seen) {
+                                             const ImaginedBoard& imagined, const CameraCoverage& held) {
   const RigCamera& lens = calibration.cameras[camera];
   const Target& board = calibration.targets[target].target;
   const Eigen::Vector3d centre = box_of(board).center();
@@ -69,7 +69,7 @@ std::vector<BoardCandidate> board_candidates(const Calibration& calibration, int
     const Eigen::Vector2d pixel = middle_of_cell(size, rows, kColumns, cell / kColumns, cell % kColumns);
     const auto ray = ray_from_pixel(lens.camera, pixel);
     if (!ray || std::abs(ray->x()) > 0.999) continue;
-    for (const double distance : distances(seen)) {
+    for (const double distance : distances(held)) {
       for (const Tilt& tilt : kTilts) {
         const Rigid3 rig_from_target = lens.camera_from_rig.inverse() * camera_from_board(*ray, distance, tilt, centre);
         const std::size_t points = imagined.seen_by(camera, rig_from_target).size();

@@ -20,8 +20,9 @@ struct BoardCandidate {
 /// at least half of the points.
 ///
 /// @param imagined  the target
+/// @param held      how far off it was seen
 std::vector<BoardCandidate> board_candidates(const Calibration& calibration, int camera, int target,
-                                             const ImaginedBoard& imagined, const CameraCoverage& seen);
+                                             const ImaginedBoard& imagined, const CameraCoverage& held);
 
 /// Edge of a board's points in a camera's image, point by point; empty when a part of it does not project.
 std::vector<Eigen::Vector2d> outline_in_image(const RigCamera& camera, const Target& target,

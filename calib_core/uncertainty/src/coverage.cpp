@@ -102,15 +102,35 @@ std::string regions_in_words(std::vector<std::string> regions) {
   return text;
 }
 
+CameraCoverage held_boards(const CalibrationProblem& problem, const CalibrationResult& result,
+                           const RigCamera& camera) {
+  CameraCoverage held;
+  held.camera = camera.name;
+  std::vector<double> distances, tilts;
+  for (std::size_t v = 0; v < problem.views.size(); ++v) {
+    const TargetView& view = problem.views[v];
+    if (problem.cameras[view.camera].name != camera.name || result.views[v].pose < 0) continue;
+    const Rigid3 camera_from_target = camera.camera_from_rig * result.poses[result.views[v].pose].rig_from_target;
+    const Eigen::Vector3d centre = camera_from_target * centre_of(problem.targets[view.target]);
+    const Eigen::Vector3d normal = camera_from_target.rotation * Eigen::Vector3d::UnitZ();
+    distances.push_back(centre.norm());
+    tilts.push_back(std::acos(std::min(1.0, std::abs(normal.dot(centre.normalized())))));
+  }
+  if (distances.empty()) return held;
+  held.nearest_m = quantile(distances, 0.05);
+  held.farthest_m = quantile(distances, 0.95);
+  held.usual_tilt_rad = median(tilts);
+  held.largest_tilt_rad = quantile(tilts, 0.9);
+  return held;
+}
+
 std::vector<CameraCoverage> coverage(const CalibrationProblem& problem, const CalibrationResult& result) {
   std::vector<CameraCoverage> all;
   for (const RigCamera& camera : result.calibration.cameras) {
-    CameraCoverage one;
-    one.camera = camera.name;
+    CameraCoverage one = held_boards(problem, result, camera);
     if (camera.evidence) add_image_cells(camera, one);
     one.rayless_share = rayless_share(camera.camera);
     one.reach_rad = reach(camera.camera);
-    std::vector<double> distances, tilts;
     for (std::size_t v = 0; v < problem.views.size(); ++v) {
       const TargetView& view = problem.views[v];
       if (problem.cameras[view.camera].name != camera.name || result.views[v].pose < 0) continue;
@@ -118,17 +138,6 @@ std::vector<CameraCoverage> coverage(const CalibrationProblem& problem, const Ca
         if (result.views[v].fates[i] != ObservationFate::kUsed) continue;
         one.seen_to_rad = std::max(one.seen_to_rad, angle_off_axis(camera.camera, view.observations[i].pixel));
       }
-      const Rigid3 camera_from_target = camera.camera_from_rig * result.poses[result.views[v].pose].rig_from_target;
-      const Eigen::Vector3d centre = camera_from_target * centre_of(problem.targets[view.target]);
-      const Eigen::Vector3d normal = camera_from_target.rotation * Eigen::Vector3d::UnitZ();
-      distances.push_back(centre.norm());
-      tilts.push_back(std::acos(std::min(1.0, std::abs(normal.dot(centre.normalized())))));
-    }
-    if (!distances.empty()) {
-      one.nearest_m = quantile(distances, 0.05);
-      one.farthest_m = quantile(distances, 0.95);
-      one.usual_tilt_rad = median(tilts);
-      one.largest_tilt_rad = quantile(tilts, 0.9);
     }
     all.push_back(one);
   }

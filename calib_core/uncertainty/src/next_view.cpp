@@ -202,12 +202,12 @@ NextViews next_best_views(const CalibrationProblem& problem, const CalibrationRe
   if (!target) return next;
   const double corner_px = corner_sigma(problem, result), dot_px = dot_sigma(problem, result);
   const Start start(calibration);
-  const std::vector<CameraCoverage> seen = coverage(problem, result);
   const ImaginedBoard imagined(calibration, *target);
   std::vector<Choice> choices;
   for (int c = 0; c < static_cast<int>(calibration.cameras.size()); ++c) {
     if (!calibration.cameras[c].evidence) continue;
-    for (BoardCandidate& board : board_candidates(calibration, c, *target, imagined, seen[c])) {
+    const CameraCoverage held = held_boards(problem, result, calibration.cameras[c]);
+    for (BoardCandidate& board : board_candidates(calibration, c, *target, imagined, held)) {
       choices.push_back({std::move(board), {}});
     }
   }

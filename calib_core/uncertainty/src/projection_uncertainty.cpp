@@ -49,13 +49,23 @@ Eigen::Vector2d UncertaintyMap::pixel(Eigen::Index row, Eigen::Index column) con
 }
 
 UncertaintyMap uncertainty_map(const ProjectionUncertainty& uncertainty, double range_m, int columns) {
-  const ImageSize size = uncertainty.camera.size;
+  return uncertainty_map(std::span(&uncertainty, 1), range_m, columns);
+}
+
+UncertaintyMap uncertainty_map(std::span<const ProjectionUncertainty> of_camera, double range_m, int columns) {
+  const ImageSize size = of_camera.front().camera.size;
   UncertaintyMap map{size, range_m, {}};
   map.sigma_px.resize(rows_of_square_cells(size, columns), columns);
   for (Eigen::Index row = 0; row < map.sigma_px.rows(); ++row) {
     for (Eigen::Index column = 0; column < columns; ++column) {
-      const auto covariance = projection_covariance(uncertainty, map.pixel(row, column), range_m);
-      map.sigma_px(row, column) = covariance ? largest_sigma(*covariance) : std::nan("");
+      const auto by_parameters = projection_derivatives(of_camera.front(), map.pixel(row, column), range_m);
+      double sigma_px = std::nan("");
+      for (const ProjectionUncertainty& each : of_camera) {
+        if (!by_parameters) break;
+        const double sigma = largest_sigma(*by_parameters * each.covariance * by_parameters->transpose());
+        if (!(sigma_px >= sigma)) sigma_px = sigma;
+      }
+      map.sigma_px(row, column) = sigma_px;
     }
   }
   return map;

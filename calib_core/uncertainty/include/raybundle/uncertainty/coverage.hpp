@@ -30,6 +30,9 @@ struct CameraCoverage {
   double largest_tilt_rad = 0.0;           ///< the 90 % quantile
 };
 
+/// How far off and how tilted a camera's boards were held: of its coverage only that.
+CameraCoverage held_boards(const CalibrationProblem& problem, const CalibrationResult& result, const RigCamera& camera);
+
 /// One for each camera of the calibration, in its order.
 std::vector<CameraCoverage> coverage(const CalibrationProblem& problem, const CalibrationResult& result);
 

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "raybundle/scene/calibration.hpp"
 
@@ -57,5 +58,8 @@ struct UncertaintyMap {
 
 /// @param columns  cells along the image's width, > 0; as many rows as make them square
 UncertaintyMap uncertainty_map(const ProjectionUncertainty& uncertainty, double range_m, int columns = 60);
+
+/// The same by whichever is larger of what several covariances of one camera's parameters say.
+UncertaintyMap uncertainty_map(std::span<const ProjectionUncertainty> of_camera, double range_m, int columns = 60);
 
 }  // namespace raybundle
