@@ -25,14 +25,17 @@ constexpr double kBentByTies = 2.0;  // times the noise of a camera alone: what 
 
 // Solves with the ties as they are reviewed, each time with a smaller share that is kept in any case: the worst frames
 // go first.
+//
+// @param settled  as BundleOptions
 BundleSummary solve_and_review_ties(const CalibrationProblem& problem, BundleState& state,
                                     std::span<const double> shares_kept, const CalibrateOptions& options,
-                                    TieReview& ties) {
-  const BundleOptions bundle = bundle_options(options);
+                                    TieReview& ties, double settled = kTieSettled) {
+  BundleOptions bundle = bundle_options(options);
+  bundle.settled = settled;
   BundleSummary summary;
   for (std::size_t round = 0; round < kMaxTieReviews; ++round) {
     ties.share_kept = shares_kept[std::min(round, shares_kept.size() - 1)];
-    const bool changed = review_ties(problem, state, options, ties);
+    const bool changed = review_ties(problem, state, options, ties, settled);
     if (!changed && (ties.strict || ties.share_kept == shares_kept.back())) break;
     summary = solve_bundle(problem, state, bundle);
   }
@@ -94,7 +97,7 @@ BundleSummary solve_rig(const CalibrationProblem& problem, BundleState& state, c
   if (plainly_tied()) return summary;
   ties.unsynchronised = true;
   state = from_few;
-  summary = solve_and_review_ties(rig_only, state, kFewKept, options, ties);
+  summary = solve_and_review_ties(rig_only, state, kFewKept, options, ties, BundleOptions().settled);
   refuse_unrelated_images(problem, ties);
   return summary;
 }

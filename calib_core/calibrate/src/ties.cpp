@@ -68,7 +68,7 @@ std::vector<SetAside> views_out_of_sight(const CalibrationProblem& problem, cons
 }
 
 // Moves only the boards.
-void solve_poses(const CalibrationProblem& problem, BundleState& state, int threads) {
+void solve_poses(const CalibrationProblem& problem, BundleState& state, int threads, double settled) {
   CalibrationProblem poses_only = problem;
   poses_only.rules = {{"*", ParameterRule::Kind::kFixed, {}, 0.0}};
   for (std::size_t c = 0; c < state.cameras.size(); ++c) {  // held as they are now, not at the problem's start
@@ -77,6 +77,7 @@ void solve_poses(const CalibrationProblem& problem, BundleState& state, int thre
   }
   BundleOptions options;
   options.threads = threads;
+  options.settled = settled;
   solve_bundle(poses_only, state, options);
 }
 
@@ -110,9 +111,9 @@ std::vector<int> first_sharing(const std::vector<int>& pose_of_view) {
 }  // namespace
 
 bool review_ties(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
-                 TieReview& review) {
+                 TieReview& review, double settled) {
   BundleState tied = with_all_ties(problem, state);
-  solve_poses(problem, tied, options.threads);
+  solve_poses(problem, tied, options.threads, settled);
   const std::vector<TieCheck> checks = check_ties(problem, tied.cameras, tied.camera_from_rig, tied.shapes, tied.poses,
                                                   tied.pose_of_view, options.threads);
   review.untied = views_out_of_sight(problem, tied);

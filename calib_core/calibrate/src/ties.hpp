@@ -9,6 +9,10 @@
 
 namespace raybundle {
 
+/// BundleOptions::settled of solves by which only ties are decided and others begin: what is left of the cost moves a
+/// frame's excess by less than a thousandth of what frames of the same moment differ by.
+inline constexpr double kTieSettled = 1e-10;
+
 /// Which views were left untied, and what that says of the rig.
 struct TieReview {
   std::vector<SetAside> untied;  ///< views with a board pose of their own, and why
@@ -24,9 +28,10 @@ struct TieReview {
 /// not gets a board pose of its own: it keeps its say about its camera but not about the rig. Views that fit again
 /// are tied again.
 ///
-/// @param review  `untied`, `doubtful`, `strict` and `typical_px` are replaced
-/// @return        whether a tie changed
+/// @param review   `untied`, `doubtful`, `strict` and `typical_px` are replaced
+/// @param settled  as BundleOptions, of the boards' poses that the state then has
+/// @return         whether a tie changed
 bool review_ties(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
-                 TieReview& review);
+                 TieReview& review, double settled = BundleOptions().settled);
 
 }  // namespace raybundle
