@@ -88,6 +88,23 @@ TYPED_TEST(ViewBlockLaw, AnalyticJacobiansAreTheNumericOnes) {
   });
 }
 
+// Products are those of the rows; without the lens's columns the others stay as they are, to the bit.
+TYPED_TEST(ViewBlockLaw, ProductsAreThoseOfTheRows) {
+  ViewBlock block;
+  ASSERT_TRUE(linearize_view(this->view_, this->point_, {.with_shape = true}, block));
+  const Eigen::Index lens = block.wrt_intrinsics.cols();
+  Eigen::MatrixXd rows(block.residual.size(), lens + 6 + 3 + 1 + 6);
+  rows << block.wrt_intrinsics, block.wrt_rig_from_target, block.wrt_shape, block.residual, block.wrt_camera_from_rig;
+  const Eigen::MatrixXd expected = rows.transpose() * rows;
+  Eigen::MatrixXd products, without_lens;
+  ASSERT_TRUE(multiply_view(this->view_, this->point_, {.with_shape = true}, products));
+  ASSERT_TRUE(multiply_view(this->view_, this->point_, {.with_shape = true, .lens_fixed = true}, without_lens));
+  // Sums of some hundred terms, rounded in another order.
+  const Eigen::VectorXd sizes = expected.diagonal().cwiseSqrt();
+  EXPECT_LE(((products - expected).array() / (sizes * sizes.transpose()).array()).abs().maxCoeff(), 1e-12);
+  EXPECT_EQ(without_lens, products.bottomRightCorner(expected.rows() - lens, expected.cols() - lens));
+}
+
 // The robust cost is the sum of the loss over the corners, by definition of BundleOptions::robust_scale_sigma.
 TYPED_TEST(ViewBlockLaw, RobustCostIsTheLossOfEachCorner) {
   const Eigen::VectorXd plain = this->residual_at(this->point_);
