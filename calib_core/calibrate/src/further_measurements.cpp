@@ -135,8 +135,8 @@ void fill_covariance(const CalibrationProblem& problem, const BundleState& state
   result.variance_factor = known.variance_factor;
   result.calibration.covariance_by_frame.reset();
   if (static_cast<int>(frames.size()) >= kFewestFrames) {
-    result.calibration.covariance_by_frame =
-        covariance_by_frame(information, frames, repeated_errors(problem, state, information.names));
+    const auto repeated = repeated_errors(problem, state, information.names, options.threads);
+    result.calibration.covariance_by_frame = covariance_by_frame(information, frames, repeated, options.threads);
   }
   if (result.calibration.covariance_by_frame) {
     const auto warning = frame_scatter_warning(known.covariance, *result.calibration.covariance_by_frame,

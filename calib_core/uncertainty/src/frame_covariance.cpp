@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "raybundle/geometry/threads.hpp"
+
 namespace raybundle {
 namespace {
 
@@ -25,7 +27,7 @@ Eigen::MatrixXd positive_part(const Eigen::MatrixXd& symmetric) {
 
 std::optional<Covariance> covariance_by_frame(const ReducedInformation& all,
                                               const std::vector<FrameInformation>& frames,
-                                              const std::optional<Eigen::MatrixXd>& repeated) {
+                                              const std::optional<Eigen::MatrixXd>& repeated, int threads) {
   const int freedom = all.residuals - all.parameters;
   if (static_cast<int>(frames.size()) < kFewestFrames || freedom <= 0) return std::nullopt;
   const Eigen::Index size = all.information.rows();
@@ -49,11 +51,13 @@ std::optional<Covariance> covariance_by_frame(const ReducedInformation& all,
   const double variance_factor = all.chi2 / freedom;
   Eigen::MatrixXd plain = Eigen::MatrixXd::Identity(size, size);  // what is not told by frames
   Eigen::MatrixXd middle = Eigen::MatrixXd::Zero(size, size);
-  for (const FrameInformation& frame : frames) {
-    const Eigen::MatrixXd share = in_coordinates(frame.information);
-    Eigen::VectorXd gradient = scale.asDiagonal() * frame.gradient;
+  std::vector<Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>> axes_of(frames.size());
+  for_each_index(frames.size(), threads,
+                 [&](std::size_t f) { axes_of[f].compute(in_coordinates(frames[f].information)); });
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    Eigen::VectorXd gradient = scale.asDiagonal() * frames[f].gradient;
     lower.solveInPlace(gradient);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(share);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>& axes = axes_of[f];
     Eigen::VectorXd along = axes.eigenvectors().transpose() * gradient;
     for (Eigen::Index k = 0; k < size; ++k) {
       const double b = axes.eigenvalues()[k];

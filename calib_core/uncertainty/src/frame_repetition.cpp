@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "pose_information.hpp"
+#include "raybundle/geometry/threads.hpp"
 #include "raybundle/uncertainty/corner_evidence.hpp"
 #include "sensitivity.hpp"
 
@@ -177,7 +178,7 @@ FrameRepetition frame_repetition(const CalibrationProblem& problem, const Calibr
 }
 
 std::optional<Eigen::MatrixXd> repeated_errors(const CalibrationProblem& problem, const BundleState& state,
-                                               const std::vector<std::string>& names) {
+                                               const std::vector<std::string>& names, int threads) {
   std::vector<double> cell_px;
   for (const Camera& camera : state.cameras) cell_px.push_back(cell_of(camera.size));
   const std::vector<Frame> frames = frames_of(problem, state);
@@ -191,11 +192,11 @@ std::optional<Eigen::MatrixXd> repeated_errors(const CalibrationProblem& problem
   }
   const Calibration calibration = calibration_of(problem, state, names);
   std::vector<Eigen::MatrixXd> rows(frames.size());
-  for (std::size_t frame = 0; frame < frames.size(); ++frame) {
-    if (!paired[frame]) continue;
+  for_each_index(frames.size(), threads, [&](std::size_t frame) {
+    if (!paired[frame]) return;
     const Eigen::MatrixXd of_frame = rows_beside_pose(calibration, views[frame], state.poses[frame].rig_from_target);
     rows[frame] = of_frame.leftCols(of_frame.cols() - 1);
-  }
+  });
   const auto size = static_cast<Eigen::Index>(names.size());
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(size, size);
   for (const auto& [a, b] : repeats.pairs) {

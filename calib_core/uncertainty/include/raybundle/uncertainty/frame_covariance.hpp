@@ -29,7 +29,7 @@ inline constexpr int kFewestFrames = 10;
 ///         (the cluster-robust sandwich known as CR2).
 std::optional<Covariance> covariance_by_frame(const ReducedInformation& all,
                                               const std::vector<FrameInformation>& frames,
-                                              const std::optional<Eigen::MatrixXd>& repeated = {});
+                                              const std::optional<Eigen::MatrixXd>& repeated = {}, int threads = 1);
 
 /// A sigma by the noise of the corners or by how the frames scatter, whichever is larger.
 ///

@@ -27,6 +27,6 @@ FrameRepetition frame_repetition(const CalibrationProblem& problem, const Calibr
 /// @param names  of ReducedInformation
 /// @return       nothing when no frame repeats another one
 std::optional<Eigen::MatrixXd> repeated_errors(const CalibrationProblem& problem, const BundleState& state,
-                                               const std::vector<std::string>& names);
+                                               const std::vector<std::string>& names, int threads = 1);
 
 }  // namespace raybundle
