@@ -130,9 +130,9 @@ Neighbours neighbours_of(const Points2& board, std::size_t i) {
     distance2[at] = d2;
     near.index[at] = j;
   };
-  // Outwards: on boards the corners with the nearest numbers are among the nearest.
-  for (std::size_t j = i + 1; j < board.size(); ++j) look_at(j);
-  for (std::size_t j = i; j-- > 0;) look_at(j);
+  for (std::size_t j = 0; j < board.size(); ++j) {
+    if (j != i) look_at(j);
+  }
   near.reach2 = std::max(distance2[near.count - 1], 1e-30);
   return near;
 }
