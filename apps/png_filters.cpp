@@ -77,7 +77,7 @@ Lanes paeth(const Lanes& left, const Lanes& above, const Lanes& corner) {
   const Lanes rise = above - corner, run = left - corner;
   const Lanes from_left = size_of(rise), from_above = size_of(run), from_corner = size_of(rise + run);
   const Lanes not_left = from_above <= from_corner ? above : corner;
-  return (from_left <= from_above) & (from_left <= from_corner) ? left : not_left;
+  return ((from_left <= from_above) & (from_left <= from_corner)) ? left : not_left;
 }
 
 // `over` is the row above the first one.
@@ -89,7 +89,7 @@ RAYBUNDLE_TARGET_CLONES [[gnu::flatten]] void undo(const Rows& rows, const std::
     block = transposed(block);
     const std::uint64_t above_first = eight(over, begin, width);
     for (int step = 0; step < 8; ++step) {
-      Lanes above = __builtin_shuffle(left, Lanes{0, 0, 1, 2, 3, 4, 5, 6});
+      Lanes above = __builtin_shufflevector(left, left, 0, 0, 1, 2, 3, 4, 5, 6);
       above[0] = static_cast<std::uint8_t>(above_first >> (8 * step));
       const Lanes predicted = (rows.uses[kLeft] & left) | (rows.uses[kAbove] & above) |
                               (rows.uses[kMean] & ((left + above) >> 1)) |
