@@ -156,9 +156,8 @@ TurnedPattern best_turn(const RigCamera& camera, const LaserPattern& pattern, do
   for (int step = 0; step < 90 && best.single_candidate_share < 1.0; ++step) {
     const int degrees = step % 2 == 0 ? -step / 2 : (step + 1) / 2;
     const double turn = degrees * M_PI / 180.0;
-    turned.grating->rig_from_projector.rotation =
-        pattern.grating->rig_from_projector.rotation *
-        Eigen::Quaterniond(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
+    turned.grating->rig_from_projector.rotation = pattern.grating->rig_from_projector.rotation *
+                                                  Eigen::Quaterniond(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
     std::vector<BeamLine> beams;
     for (const LaserBeam& beam : pattern.beams) {
       const auto line = line_of_model(turned, beam.row, beam.column);
