@@ -212,7 +212,7 @@ std::string write_all(const CalibrateJob& job, const CalibrationProblem& problem
   const std::string calibration = text_from_calibration(calibration_file(problem, result, extra.provenance));
   result.stages.push_back({"write", now() - begin});
   ::malloc_trim(0);  // what the solve freed lies in small pieces between others, and the text needs a large one
-  const std::string report = text_from_report(problem, result, extra);
+  std::string report = text_from_report(problem, result, extra);
   const ReportFrame frame = report_frame(folder_from(folder));
   const std::vector<std::string_view> page{frame.before, report, frame.behind};
   write_results(

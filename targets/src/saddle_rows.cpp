@@ -131,10 +131,13 @@ RAYBUNDLE_INLINE void repeat(const Lanes& row, Pair& repeated) {
   repeated = __builtin_shufflevector(row, row, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7);
 }
 
+template <typename Values>
+constexpr int kRowsIn = sizeof(Values) / (sizeof(float) * kLanes);  // a register
+
 /// Products of kFirsts rows, from kFirst on, with the rows from kBegin on, kSums registers of them at once.
 template <typename Values, int kFirst, int kFirsts, int kBegin, int kSums>
 RAYBUNDLE_INLINE void write_products(const SaddleRows& rows, int groups, SaddleProduct& product) {
-  constexpr int kRows = sizeof(Values) / sizeof(Lanes);  // of a register
+  constexpr int kRows = kRowsIn<Values>;
   Values sums[kFirsts][kSums] = {};
   for (int group = 0; group < groups; ++group) {
     const auto& of_group = rows.values[group];
@@ -156,7 +159,7 @@ RAYBUNDLE_INLINE void write_products(const SaddleRows& rows, int groups, SaddleP
 /// @tparam kFirsts, kMost  rows and registers of other rows at once: as many sums as there are registers for
 template <typename Values, int kFirsts, int kMost, int kFirst = 0, int kBegin = 0>
 RAYBUNDLE_INLINE void write_all_products(const SaddleRows& rows, int groups, SaddleProduct& product) {
-  constexpr int kRows = sizeof(Values) / sizeof(Lanes);
+  constexpr int kRows = kRowsIn<Values>;
   constexpr int kSums = std::min(kMost, (SaddleRows::kCount - kBegin + kRows - 1) / kRows);
   constexpr int kNext = kFirst + kFirsts, kEnd = kBegin + kRows * kSums;
   write_products<Values, kFirst, std::min(kFirsts, SaddleRows::kCount - kFirst), kBegin, kSums>(rows, groups, product);

@@ -80,7 +80,7 @@ Optimum optimum_from_truth(const CalibrationProblem& with_prior, const BundleSta
   // Giving up coefficients begins with a lens that may not project all corners, and leaves those out: an optimum of
   // fewer corners is lower and proves nothing.
   const auto solve = [&](const CalibrationProblem& problem, BundleState& state) {
-    const BundleSummary summary = solve_to_the_end(problem, state, estimate_shape);
+    BundleSummary summary = solve_to_the_end(problem, state, estimate_shape);
     if (state.fates == start.fates) return summary;
     state.fates = start.fates;
     return solve_to_the_end(problem, state, estimate_shape);
