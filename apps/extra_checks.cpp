@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kVerdicts[] = {"agree", "agree_by_frames", "model_error",
+constexpr const char* kVerdicts[] = {"agree", "agree_by_frames", "ties_disagree", "model_error",
                                      "too_few_frames"};  // as the enumeration
 
 void add_cross_validation(const CalibrationProblem& problem, const CalibrationResult& result,
@@ -32,7 +32,10 @@ void add_cross_validation(const CalibrationProblem& problem, const CalibrationRe
   if (found.by_frames) json["by_frames"] = json_from_comparison(*found.by_frames);
   findings.sections.push_back({"cross_validation", json.dump()});
   findings.text += "cross-validation: " + found.words + "\n";
-  if (found.verdict == CrossValidation::Verdict::kModelError) findings.warnings.push_back(found.words);
+  using Verdict = CrossValidation::Verdict;
+  if (found.verdict == Verdict::kModelError || found.verdict == Verdict::kTiesDisagree) {
+    findings.warnings.push_back(found.words);
+  }
 }
 
 Json json_from_opinion(const SecondOpinion& opinion) {

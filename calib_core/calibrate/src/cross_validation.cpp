@@ -97,11 +97,12 @@ std::vector<ModelId> richer_models(ModelId model) {
 }
 
 // The simplest model that makes a camera's halves agree and leaves residuals of at most this share of its own.
-std::optional<ModelTrial> mending_model(const Halves& halves, int camera, double most_residuals,
-                                        const CalibrateOptions& options, CrossValidation& result) {
-  const ModelId model = halves.odd.cameras[camera].model;
-  const auto own = try_model(halves, camera, model, options);
-  for (const ModelId richer : richer_models(model)) {
+//
+// @param own  the camera alone with its own model
+std::optional<ModelTrial> mending_model(const Halves& halves, int camera, const std::optional<ModelTrial>& own,
+                                        double most_residuals, const CalibrateOptions& options,
+                                        CrossValidation& result) {
+  for (const ModelId richer : richer_models(halves.odd.cameras[camera].model)) {
     const auto trial = try_model(halves, camera, richer, options);
     if (!trial) continue;
     result.trials.push_back(*trial);
@@ -117,42 +118,79 @@ std::string share_text(const CalibrationComparison& comparison) {
                      worst.camera, kMostSummedSigmas, 100 * worst.share_within, worst.rms_px);
 }
 
+const ProjectionDifference* of_camera(const CalibrationComparison& comparison, const std::string& camera) {
+  const auto found = std::ranges::find(comparison.projections, camera, &ProjectionDifference::camera);
+  return found == comparison.projections.end() ? nullptr : &*found;
+}
+
+// Why a camera's halves differ by more than the sigmas of its corners explain.
+struct Cause {
+  bool by_frames = false;             // those by frames explain it
+  std::optional<ModelTrial> alone;    // the camera without the rig, where its halves agree then
+  std::optional<ModelTrial> mending;  // with another model
+};
+
 // A lens model that does not fit makes frames disagree, too: where only the sigmas by frames explain the halves, a
 // model that leaves much smaller residuals still tells that it is the model.
-void judge(const Halves& halves, const CalibrateOptions& options, CrossValidation& result) {
+Cause cause_of(const Halves& halves, int camera, const CalibrateOptions& options, CrossValidation& result) {
   constexpr double kNoWorse = 1.02, kMuchBetter = 0.9;  // residuals over those of the model in question
+  Cause cause;
+  const std::string& name = halves.odd.cameras[camera].name;
+  const ProjectionDifference* by_frames = result.by_frames ? of_camera(*result.by_frames, name) : nullptr;
+  cause.by_frames = by_frames && by_frames->agrees();
+  const auto own = try_model(halves, camera, halves.odd.cameras[camera].model, options);
+  const bool of_rig = halves.odd.cameras.size() > 1;
+  if (of_rig && !cause.by_frames && own && own->agrees) {
+    cause.alone = own;
+  } else {
+    cause.mending = mending_model(halves, camera, own, cause.by_frames ? kMuchBetter : kNoWorse, options, result);
+  }
+  return cause;
+}
+
+void judge(const Halves& halves, const CalibrateOptions& options, CrossValidation& result) {
   if (result.by_corners->agrees()) {
     result.words = "odd and even frames agree: " + share_text(*result.by_corners);
     return;
   }
-  const bool by_frames = result.by_frames && result.by_frames->agrees();
-  std::string mended;
-  bool all_mended = true;
-  for (const ProjectionDifference& difference : result.by_corners->projections) {
-    if (difference.agrees()) continue;
-    const auto camera = std::ranges::find(halves.odd.cameras, difference.camera, &ProblemCamera::name);
-    const auto mending = mending_model(halves, static_cast<int>(camera - halves.odd.cameras.begin()),
-                                       by_frames ? kMuchBetter : kNoWorse, options, result);
-    all_mended = all_mended && mending;
-    if (!mending) continue;
-    mended += fmt::format("; {} mends camera {} (its halves then agree over {:.0f} % of the image, rms {:.3f} px)",
-                          mending->model, difference.camera, 100 * mending->share_within, mending->rms_px);
+  std::string mended, alone;
+  bool open = false;  // a camera of which no cause was found
+  for (int c = 0; c < static_cast<int>(halves.odd.cameras.size()); ++c) {
+    const std::string& camera = halves.odd.cameras[c].name;
+    const ProjectionDifference* difference = of_camera(*result.by_corners, camera);
+    if (!difference || difference->agrees()) continue;
+    const Cause cause = cause_of(halves, c, options, result);
+    open = open || !(cause.by_frames || cause.alone || cause.mending);
+    if (cause.alone) {
+      alone += fmt::format("; camera {}'s agree over {:.0f} % of the image when it is calibrated alone", camera,
+                           100 * cause.alone->share_within);
+    }
+    if (cause.mending) {
+      mended += fmt::format("; {} mends camera {} (its halves then agree over {:.0f} % of the image, rms {:.3f} px)",
+                            cause.mending->model, camera, 100 * cause.mending->share_within, cause.mending->rms_px);
+    }
   }
-  if (by_frames && mended.empty()) {
+  if (open || !mended.empty()) {
+    result.verdict = Verdict::kModelError;
+    result.words =
+        "model error: odd and even frames differ by more than noise explains: " + share_text(*result.by_corners) +
+        mended + alone;
+    if (open) {
+      result.words +=
+          "; where no model of the list mends it, look at the board (flat, of the stated size?), at focus, and at a "
+          "shutter that rolls";
+    }
+  } else if (!alone.empty()) {
+    result.verdict = Verdict::kTiesDisagree;
+    result.words = "odd and even frames differ by more than noise explains: " + share_text(*result.by_corners) + alone +
+                   ": the frames that tie the cameras disagree, as when they do not expose together; trigger them "
+                   "together, or keep the board still until all have taken their image";
+  } else {
     result.verdict = Verdict::kAgreeByFrames;
     result.words = "odd and even frames differ by more than the sigmas of the corners explain (" +
                    share_text(*result.by_corners) +
                    "), but by no more than those by frames do, and no other model fits much better: corners of a frame "
                    "err together";
-    return;
-  }
-  result.verdict = Verdict::kModelError;
-  result.words =
-      "model error: odd and even frames differ by more than noise explains: " + share_text(*result.by_corners) + mended;
-  if (!all_mended) {
-    result.words +=
-        "; where no model of the list mends it, look at the board (flat, of the stated size?), at focus, and at a "
-        "shutter that rolls";
   }
 }
 

@@ -25,6 +25,7 @@ struct CrossValidation {
   enum class Verdict {
     kAgree,          ///< the halves differ by no more than the corners' noise explains
     kAgreeByFrames,  ///< by more, but by no more than the sigmas by frames explain: corners err together
+    kTiesDisagree,   ///< by more than either explains, but not where each camera is calibrated alone
     kModelError,     ///< by more than either explains, or another model fits much better
     kTooFewFrames,   ///< a half could not be solved
   };
@@ -36,8 +37,9 @@ struct CrossValidation {
 };
 
 /// Solves the odd and the even frames of a problem apart and compares their projections at infinity. Where they differ
-/// by more than kMostSummedSigmas over too much of the image, richer models of the list are tried, camera by camera,
-/// and the simplest that makes the halves agree is named. Dots take no part.
+/// by more than kMostSummedSigmas over too much of the image, each camera is calibrated alone and, where that does not
+/// mend it, with richer models of the list, of which the simplest that makes the halves agree is named. Dots take no
+/// part.
 ///
 /// @param whole  the result of all frames: views that it set aside take no part
 CrossValidation cross_validate(const CalibrationProblem& problem, const CalibrationResult& whole,
