@@ -32,18 +32,12 @@ OneCamera one_camera(const CalibrationProblem& problem, std::size_t camera) {
   return one;
 }
 
-// Copies the problem only where a lens has a prior.
-void solve_with_priors(const CalibrationProblem& problem, BundleState& state, int threads) {
-  if (std::ranges::none_of(problem.cameras, can_have_pole, &ProblemCamera::model)) {
-    solve_bundle(problem, state, {.threads = threads});
-    return;
-  }
-  CalibrationProblem weighed = problem;
-  weigh_lens_priors(weighed, state);
-  solve_bundle(weighed, state, {.threads = threads});
+void solve_with_priors(CalibrationProblem& problem, BundleState& state, int threads) {
+  if (std::ranges::any_of(problem.cameras, can_have_pole, &ProblemCamera::model)) weigh_lens_priors(problem, state);
+  solve_bundle(problem, state, {.threads = threads});
 }
 
-BundleState solve_one(const CalibrationProblem& problem, int threads) {
+BundleState solve_one(CalibrationProblem& problem, int threads) {
   const CameraStart start = initialize_camera(problem, 0, threads);
   BundleState state;
   state.cameras = {start.camera};
@@ -61,12 +55,12 @@ BundleState solve_one(const CalibrationProblem& problem, int threads) {
 
 }  // namespace
 
-BundleState plain_solve(const CalibrationProblem& problem, int threads) {
+BundleState plain_solve(CalibrationProblem& problem, int threads) {
   if (problem.cameras.size() == 1) return solve_one(problem, threads);
   BundleState together;
   std::vector<std::optional<Rigid3>> camera_from_target(problem.views.size());
   for (std::size_t c = 0; c < problem.cameras.size(); ++c) {
-    const OneCamera one = one_camera(problem, c);
+    OneCamera one = one_camera(problem, c);
     const BundleState alone = solve_one(one.problem, threads);
     together.cameras.push_back(alone.cameras[0]);
     for (std::size_t v = 0; v < one.views.size(); ++v) {

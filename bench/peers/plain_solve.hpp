@@ -9,8 +9,9 @@ namespace raybundle::bench {
 /// What most peers do: start values, then least squares over all corners. calibrate() besides tells outliers, looks for
 /// other optima, bends the board and gives sigmas.
 ///
+/// @param problem  gets the priors that its lenses have
 /// @param threads  change the time, never the bits
 /// @return         cameras and rig; pairs and rigs are solved camera by camera first, then together
-BundleState plain_solve(const CalibrationProblem& problem, int threads);
+BundleState plain_solve(CalibrationProblem& problem, int threads);
 
 }  // namespace raybundle::bench

@@ -28,7 +28,8 @@ def machine():
     cores = subprocess.run(["nproc"], capture_output=True, text=True).stdout.strip()
     compiler = subprocess.run(["c++", "--version"], capture_output=True, text=True).stdout.splitlines()[0]
     system = next(line.split("=")[1].strip().strip('"') for line in open("/etc/os-release") if line.startswith("PRETTY_NAME"))
-    return f"{cpu}, {cores} cores, {system}, Linux {platform.release().split("-")[0]}, {compiler}"
+    kernel = platform.release().split("-")[0]
+    return f"{cpu}, {cores} cores, {system}, Linux {kernel}, {compiler}"
 
 
 def seconds_text(seconds):
@@ -45,7 +46,7 @@ def time_cell(by_peer, peer):
         return ""
     if "failed" in runs[0]:
         return runs[0]["failed"] if runs[0]["failed"].startswith(">") else "failed"
-    seconds, ours = bars.median(by_peer, peer, bars.time_of(peer)), bars.median(by_peer, "raybundle", "cpu_s")
+    seconds, ours = bars.time_of(by_peer, peer), bars.median(by_peer, "raybundle", "cpu_s")
     return f"{seconds_text(seconds)} ({ratio_text(seconds / ours)})" if ours else seconds_text(seconds)
 
 
@@ -148,7 +149,7 @@ INTRODUCTION = """# Benchmarks beside the peers
 
 Written by `./dev bench peers`{full} on {machine}. The machine may have had other work: figures are **processor time** of
 one calibration on one thread, from observations in memory, start values included (pycolmap has none: it is given a start
-near the truth), and where a name says two cores, what passed on the wall; medians of runs in which the peers took turns, each run a process of its own; in brackets the ratio to
+near the truth), and where a name says two cores, the least that passed on the wall; medians of runs in which the peers took turns, each run a process of its own; in brackets the ratio to
 `raybundle`. `>` means that the solve was stopped, or by its smaller sizes would have been.
 
 Problems come from one generator (`bench/peers/generate_problem.cpp`): boards of 14 × 10 corners, 25 mm, seen whole, 0.3 px

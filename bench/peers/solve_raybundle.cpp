@@ -54,7 +54,7 @@ json cameras_json(const bench::PeerProblem& made, const std::vector<Camera>& fou
 }
 
 // calibrate() or plain_solve(), into the cameras and what else there is to tell.
-void solve(const CalibrationProblem& problem, const CalibrateOptions& options, bool plain, std::vector<Camera>& cameras,
+void solve(CalibrationProblem& problem, const CalibrateOptions& options, bool plain, std::vector<Camera>& cameras,
            std::vector<Rigid3>& places, json& told) {
   if (plain) {
     const BundleState state = bench::plain_solve(problem, options.threads);
@@ -90,7 +90,7 @@ int main(int argc, char** argv) {
   });
   CLI11_PARSE(app, argc, argv);
   try {
-    const bench::PeerProblem made = bench::read_problem(folder);
+    bench::PeerProblem made = bench::read_problem(folder);
     const double memory_before_mb = peak_mb(), cpu_before = cpu_seconds();
     const auto before = std::chrono::steady_clock::now();
     std::vector<Camera> cameras;
