@@ -271,17 +271,19 @@ std::optional<Step> NormalEquations::step(const Unknowns& unknowns, const Linear
   step.parameters = -factor.solve(reduced.gradient);
   step.motions.assign(unknowns.rig_from_target.size(), Vector6::Zero());
   double damped_square = (damped.array() * step.parameters.array().square()).sum();
-  for (int p = 0; p < poses; ++p) {
+  std::vector<double> damped_squares(poses);
+  workers_.for_each(poses, [&](int p) {
     Vector6& motion = step.motions[poses_[p].pose];
     motion = eliminated[p].motion(step.parameters, poses_[p].columns);
-    damped_square += (eliminated[p].damping.array() * motion.array().square()).sum();
-  }
+    damped_squares[p] = (eliminated[p].damping.array() * motion.array().square()).sum();
+  });
+  for (const double square : damped_squares) damped_square += square;
   // With the gradient g and the damping D: (H + D) step = -g, hence -gᵀ step - stepᵀ H step / 2 is this.
   step.predicted_decrease = 0.5 * (damped_square + reduced.decrease - reduced.gradient.dot(step.parameters));
   return step;
 }
 
-Unknowns NormalEquations::moved(const Unknowns& unknowns, const Step& step) const {
+Unknowns NormalEquations::moved(const Unknowns& unknowns, const Step& step) {
   Unknowns result = unknowns;
   for (std::size_t b = 0; b < layout_.blocks.size(); ++b) {
     const ParameterBlock& block = layout_.blocks[b];
@@ -296,10 +298,10 @@ Unknowns NormalEquations::moved(const Unknowns& unknowns, const Step& step) cons
       pose = perturbed(pose, change);
     }
   }
-  for (const PoseViews& group : poses_) {
-    Rigid3& pose = result.rig_from_target[group.pose];
-    pose = perturbed(pose, step.motions[group.pose]);
-  }
+  workers_.for_each(static_cast<int>(poses_.size()), [&](int p) {
+    Rigid3& pose = result.rig_from_target[poses_[p].pose];
+    pose = perturbed(pose, step.motions[poses_[p].pose]);
+  });
   for (std::size_t b = 0; b < beams_.size(); ++b) {
     Line3& beam = result.beams[beams_[b]];
     beam = perturbed(beam, step.beams.col(static_cast<Eigen::Index>(b)));

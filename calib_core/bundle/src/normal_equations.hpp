@@ -59,7 +59,7 @@ class NormalEquations {
 
   Workers& workers() { return workers_; }
 
-  Unknowns moved(const Unknowns& unknowns, const Step& step) const;
+  Unknowns moved(const Unknowns& unknowns, const Step& step);
 
   /// How often each view of the problem was not projectable.
   const std::vector<int>& refusals() const { return refusals_; }

@@ -13,17 +13,6 @@ namespace raybundle {
 
 namespace {
 
-// Which of its target's points a view uses, in the order of its observations.
-std::vector<int> used_points(const Target& target, const TargetView& view, const std::vector<ObservationFate>& fates) {
-  std::vector<int> used;
-  used.reserve(fates.size());
-  for (std::size_t i = 0; i < fates.size(); ++i) {
-    if (fates[i] != ObservationFate::kUsed) continue;
-    used.push_back(static_cast<int>(target.find(view.observations[i].point_id) - target.points.data()));
-  }
-  return used;
-}
-
 // Boards that are seen whole show the same points in every view.
 class PointsInUse {
  public:
@@ -31,12 +20,11 @@ class PointsInUse {
     for (const Target& target : problem.targets) bases_.push_back(shape_basis(target));
   }
 
-  std::shared_ptr<const BoardPoints> of(const TargetView& view, const std::vector<ObservationFate>& fates) {
-    const Target& target = problem_.targets[view.target];
-    Last& last = last_[view.target];
-    std::vector<int> used = used_points(target, view, fates);
+  // @param used  which of the target's points
+  std::shared_ptr<const BoardPoints> of(int target, std::vector<int>&& used) {
+    Last& last = last_[target];
     if (!last.points || used != last.used) {
-      last.points = std::make_shared<BoardPoints>(target, bases_[view.target], used);
+      last.points = std::make_shared<BoardPoints>(problem_.targets[target], bases_[target], used);
       last.used = std::move(used);
     }
     return last.points;
@@ -52,16 +40,25 @@ class PointsInUse {
   std::vector<Last> last_;                           // of the targets
 };
 
-void gather(const TargetView& view, const std::vector<ObservationFate>& fates, ViewData& data) {
-  const Eigen::Index used = data.points->nearness.size();
-  data.pixel.resize(used, 2);
-  data.inverse_sigma.resize(used);
-  Eigen::Index i = 0;
-  for (std::size_t k = 0; k < view.observations.size(); ++k) {
+// Fills in what was measured.
+//
+// @return  which of the target's points the view uses, in the order of its observations
+std::vector<int> gather(const Target& target, const TargetView& view, const std::vector<ObservationFate>& fates,
+                        ViewData& data) {
+  const auto count = std::ranges::count(fates, ObservationFate::kUsed);
+  data.pixel.resize(count, 2);
+  data.inverse_sigma.resize(count);
+  std::vector<int> used;
+  used.reserve(static_cast<std::size_t>(count));
+  for (std::size_t k = 0; k < fates.size(); ++k) {
     if (fates[k] != ObservationFate::kUsed) continue;
-    data.pixel.row(i) = view.observations[k].pixel.transpose();
-    data.inverse_sigma[i++] = 1.0 / view.observations[k].sigma_px;
+    const Observation& observation = view.observations[k];
+    const auto i = static_cast<Eigen::Index>(used.size());
+    data.pixel.row(i) = observation.pixel.transpose();
+    data.inverse_sigma[i] = 1.0 / observation.sigma_px;
+    used.push_back(static_cast<int>(target.find(observation.point_id) - target.points.data()));
   }
+  return used;
 }
 
 }  // namespace
@@ -77,7 +74,6 @@ BoardPoints::BoardPoints(const Target& target, const std::vector<Eigen::Vector3d
 }
 
 std::vector<ViewData> used_views(const CalibrationProblem& problem, const BundleState& state, Workers& workers) {
-  PointsInUse points(problem);
   std::vector<ViewData> views;
   for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
     const bool any = std::ranges::find(state.fates[v], ObservationFate::kUsed) != state.fates[v].end();
@@ -88,14 +84,17 @@ std::vector<ViewData> used_views(const CalibrationProblem& problem, const Bundle
                      .target = view.target,
                      .pose = state.pose_of_view[v],
                      .model = state.cameras[view.camera].model,
-                     .points = points.of(view, state.fates[v]),
+                     .points = {},
                      .pixel = {},
                      .inverse_sigma = {}});
   }
+  std::vector<std::vector<int>> used(views.size());
   workers.for_each(static_cast<int>(views.size()), [&](int i) {
-    const int v = views[i].view;
-    gather(problem.views[v], state.fates[v], views[i]);
+    const TargetView& view = problem.views[views[i].view];
+    used[i] = gather(problem.targets[view.target], view, state.fates[views[i].view], views[i]);
   });
+  PointsInUse points(problem);
+  for (std::size_t i = 0; i < views.size(); ++i) views[i].points = points.of(views[i].target, std::move(used[i]));
   return views;
 }
 
