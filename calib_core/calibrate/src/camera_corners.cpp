@@ -8,7 +8,7 @@
 namespace raybundle {
 namespace {
 
-// Calls visit(ray, pixel) for each corner of the camera's posed views whose fate is wanted.
+// Calls visit(point in the camera, pixel) for each corner of the camera's posed views whose fate is wanted.
 template <typename Wanted, typename Visit>
 void for_each_corner(const CalibrationProblem& problem, const BundleState& state, int camera, const Wanted& wanted,
                      const Visit& visit) {
@@ -22,7 +22,7 @@ void for_each_corner(const CalibrationProblem& problem, const BundleState& state
       const TargetPoint& point = *problem.targets[view.target].find(view.observations[i].point_id);
       Eigen::Vector3d x = rotation * point.x_in_target;
       if (!point.infinitely_far) x += pose.translation;
-      visit(x.normalized(), view.observations[i].pixel);
+      visit(x, view.observations[i].pixel);
     }
   }
 }
@@ -31,8 +31,8 @@ template <typename Wanted>
 CameraCorners corners_of(const CalibrationProblem& problem, const BundleState& state, int camera,
                          const Wanted& wanted) {
   CameraCorners corners;
-  for_each_corner(problem, state, camera, wanted, [&](const Eigen::Vector3d& ray, const Eigen::Vector2d& pixel) {
-    corners.rays.push_back(ray);
+  for_each_corner(problem, state, camera, wanted, [&](const Eigen::Vector3d& x, const Eigen::Vector2d& pixel) {
+    corners.rays.push_back(x.normalized());
     corners.pixels.push_back(pixel);
   });
   return corners;
@@ -52,8 +52,9 @@ CameraCorners right_corners(const CalibrationProblem& problem, const BundleState
 
 double farthest_corner_rad(const CalibrationProblem& problem, const BundleState& state, int camera) {
   double cosine = 1.0;
-  for_each_corner(problem, state, camera, is_used,
-                  [&](const Eigen::Vector3d& ray, const Eigen::Vector2d&) { cosine = std::min(cosine, ray.z()); });
+  for_each_corner(problem, state, camera, is_used, [&](const Eigen::Vector3d& x, const Eigen::Vector2d&) {
+    cosine = std::min(cosine, x.z() / x.norm());
+  });
   return std::acos(cosine);
 }
 

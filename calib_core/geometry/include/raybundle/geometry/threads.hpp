@@ -45,7 +45,8 @@ void for_each_index(std::size_t count, int threads, Work&& work) {
       }
     }
   };
-  std::vector<std::jthread> others = start_threads(threads - 1, loop);
+  const auto wanted = std::min(count, static_cast<std::size_t>(std::max(threads, 1)));
+  std::vector<std::jthread> others = start_threads(static_cast<int>(wanted) - 1, loop);
   loop();
   others.clear();
   if (failure) std::rethrow_exception(failure);
