@@ -102,6 +102,10 @@ nlohmann::json parsed(std::string_view text) { return nlohmann::json::parse(text
   if (byte >= text.size()) {
     throw Error(ErrorKind::kBadInput, "the JSON text ends too early; is the file complete?", where);
   }
+  if (text.find('\0') != std::string_view::npos) {  // nothing of it can be shown
+    throw Error(ErrorKind::kBadInput, "this is not JSON, and no text at all, as an image is; is it the right file?",
+                where);
+  }
   const std::size_t begin = byte - std::min<std::size_t>(byte, 20);
   throw Error(ErrorKind::kBadInput,
               "this is not valid JSON, the mistake is at the end of " +

@@ -208,6 +208,8 @@ TEST(CalibrationFile, SyntaxErrorsNameTheirLine) {
   EXPECT_THAT(read_message("{\n\"a\":\n1e999}"), StartsWith("c.json:3: this is not valid JSON"));
   EXPECT_THAT(read_message("{\n\"a\": NaN}"), StartsWith("c.json:2: this is not valid JSON"));
   EXPECT_THAT(read_message("{\"a\": [1,\n2"), StartsWith("c.json:2: the JSON text ends too early"));
+  EXPECT_THAT(read_message(std::string("\xff\xd8\xff\xe0\0\x10JFIF", 10)),
+              StartsWith("c.json:1: this is not JSON, and no"));
   EXPECT_THAT(read_message(""), StartsWith("c.json:1: the JSON text ends too early"));
   EXPECT_THAT(read_message("[]"), StartsWith("c.json:1: the whole text is an array, where an object is expected"));
   EXPECT_THAT(read_message(std::string(1'000'000, '[')), StartsWith("c.json:1: the JSON text ends too early"));
