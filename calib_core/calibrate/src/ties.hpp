@@ -9,10 +9,6 @@
 
 namespace raybundle {
 
-/// BundleOptions::settled of solves by which only ties are decided and others begin: what is left of the cost moves a
-/// frame's excess by less than a thousandth of what frames of the same moment differ by.
-inline constexpr double kTieSettled = 1e-10;
-
 /// Which views were left untied, and what that says of the rig.
 struct TieReview {
   std::vector<SetAside> untied;  ///< views with a board pose of their own, and why

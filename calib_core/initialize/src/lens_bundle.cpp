@@ -180,11 +180,10 @@ LensMatrix reduced_information(const std::vector<ViewEquations>& equations, int 
   LensMatrix information = LensMatrix::Zero(n, n);
   LensVector right = LensVector::Zero(n);
   add_lens(equations, information, right);
+  if (poses_fixed) return information;
   Elimination eliminated;
-  if (!poses_fixed && eliminate_poses(equations, n, 1e-12, eliminated)) {
-    information -= LensMatrix(eliminated.products.topLeftCorner(n, n).selfadjointView<Eigen::Upper>());
-  }
-  return information;
+  if (!eliminate_poses(equations, n, 1e-12, eliminated)) return LensMatrix::Zero(n, n);  // nothing can be told
+  return information - LensMatrix(eliminated.products.topLeftCorner(n, n).selfadjointView<Eigen::Upper>());
 }
 
 }  // namespace

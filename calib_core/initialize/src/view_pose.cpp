@@ -112,13 +112,9 @@ PointsInView points_in_view(const Target& target, const TargetView& view) {
   result.points.resize(view.observations.size());
   result.pixels.resize(view.observations.size());
   std::size_t count = 0;
-  const TargetPoint* const end = target.points.data() + target.points.size();
-  const TargetPoint* next = target.points.data();  // corners come mostly in the order of the points
   for (const Observation& observation : view.observations) {
-    const bool in_order = next != end && next->id == observation.point_id;
-    const TargetPoint* point = in_order ? next : target.find(observation.point_id);
+    const TargetPoint* point = target.find(observation.point_id);
     if (!point) continue;
-    next = point + 1;
     result.points[count] = point->x_in_target;
     result.pixels[count] = observation.pixel;
     ++count;

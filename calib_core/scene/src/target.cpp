@@ -8,8 +8,7 @@
 
 namespace raybundle {
 
-const TargetPoint* Target::find(int id) const {
-  if (id >= 0 && id < static_cast<int>(points.size()) && points[id].id == id) return &points[id];  // ids 0..n-1
+const TargetPoint* Target::find_among_others(int id) const {
   const auto found = std::ranges::lower_bound(points, id, {}, &TargetPoint::id);
   return found != points.end() && found->id == id ? &*found : nullptr;
 }

@@ -40,10 +40,16 @@ struct Target {
   std::vector<TargetSymmetry> symmetries;  ///< without the identity
 
   /// The point with that id; nullptr when the board has none.
-  const TargetPoint* find(int id) const;
+  const TargetPoint* find(int id) const {
+    if (id >= 0 && id < static_cast<int>(points.size()) && points[id].id == id) return &points[id];  // ids 0..n-1
+    return find_among_others(id);
+  }
 
   /// True when all points have z = 0, so that the board can have a BoardShape.
   bool flat() const;
+
+ private:
+  const TargetPoint* find_among_others(int id) const;
 };
 
 /// The part of a bent surface that does not depend on the shape: height = shape_basis · (bend_x, bend_y, twist).
