@@ -149,8 +149,9 @@ INTRODUCTION = """# Benchmarks beside the peers
 
 Written by `./dev bench peers`{full} on {machine}. The machine may have had other work: figures are **processor time** of
 one calibration on one thread, from observations in memory, start values included (pycolmap has none: it is given a start
-near the truth), and where a name says two cores, the least that passed on the wall; medians of runs in which the peers took turns, each run a process of its own; in brackets the ratio to
-`raybundle`. `>` means that the solve was stopped, or by its smaller sizes would have been.
+near the truth), and where a name says two cores, the least that passed on the wall; medians of runs in which the peers took
+turns, each run a process of its own; in brackets the ratio to `raybundle`. `>` means that the solve was stopped, or by its
+smaller sizes would have been.
 
 Problems come from one generator (`bench/peers/generate_problem.cpp`): boards of 14 × 10 corners, 25 mm, seen whole, 0.3 px
 noise, 1280 × 960 images; `kb130` and `kb150` are Kannala-Brandt lenses with 130° and 150° across the image, `rational70` a
