@@ -221,11 +221,14 @@ BundleSummary solve(const CalibrationProblem& problem, BundleState& state) {
   double radius = 1e9;
   double shrink = 2;
   double promised = 0;  // by the step before
+  double corners = 0;
+  for (const TargetView& view : problem.views) corners += static_cast<double>(view.observations.size());
+  const double left_at_most = 1e-6 / (2 * corners);  // as solve_bundle ends
   Point candidate;
   while (summary.iterations++ < 100 && radius > 1e-32) {
     const double predicted = step(here, radius, point, candidate);
     if (predicted <= 1e-14 * cost) break;
-    if (predicted <= 1e-6 * cost && predicted * std::min(1.0, predicted / promised) <= 1e-14 * cost) {
+    if (predicted <= 1e-6 * cost && predicted * std::clamp(predicted / promised, 0.1, 1.0) <= left_at_most * cost) {
       std::swap(point, candidate);  // as solve_bundle, which does not look at what the last step leads to either
       cost -= predicted;
       break;

@@ -57,7 +57,7 @@ BundleSummary solve_per_corner(const CalibrationProblem& problem, BundleState st
   options.linear_solver_type = ceres::DENSE_SCHUR;
   options.logging_type = ceres::SILENT;
   options.max_num_iterations = 100;
-  options.function_tolerance = options.gradient_tolerance = 1e-14;  // as solve_bundle
+  options.function_tolerance = options.gradient_tolerance = 1e-14;  // solve_bundle may end before
   options.parameter_tolerance = 1e-12;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &ceres_problem, &summary);

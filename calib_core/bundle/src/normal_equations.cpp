@@ -113,6 +113,13 @@ NormalEquations::NormalEquations(const CalibrationProblem& problem, const Bundle
   number_beams(state, options);
 }
 
+std::size_t NormalEquations::residuals() const {
+  std::size_t points = 0;
+  for (const ViewData& view : views_) points += static_cast<std::size_t>(view.inverse_sigma.size());
+  for (const ViewDots& view : dots_) points += view.dots.size();
+  return 2 * points;
+}
+
 // Columns of the layout for each column of expanded(), -1 for those that it does not have.
 std::vector<int> NormalEquations::columns_of(int camera, int target, bool lens_fixed) const {
   std::vector<int> columns = lens_fixed ? std::vector<int>() : layout_.columns_of(Kind::kIntrinsics, camera);

@@ -43,6 +43,7 @@ class NormalEquations {
   NormalEquations(const CalibrationProblem& problem, const BundleState& state, const BundleOptions& options);
 
   bool empty() const { return views_.empty() && dots_.empty(); }
+  std::size_t residuals() const;  ///< of corners and dots
   const Layout& layout() const { return layout_; }
   const std::vector<int>& beams() const { return beams_; }  ///< of the state, that take part
   const std::vector<ViewData>& views() const { return views_; }

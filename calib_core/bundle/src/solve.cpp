@@ -18,6 +18,8 @@ constexpr double kNearOptimum = 1e-3;     // of the cost: what a step gains ther
 constexpr double kPlainGrowth = 1e3;      // of the radius where both hold
 constexpr double kLeftToGain = 1e-6;      // of the cost: a solve that rests with more to gain has been blocked
 constexpr double kPlainGain = 1e-6;       // of the cost: so small a step goes where the quadratic model says
+constexpr double kSlowFall = 0.1;         // of what steps gain, from one to the next, along the weakest directions
+constexpr double kNoMove_sigma = 1e-3;    // by which no unknown may be off the optimum for want of a further step
 
 // How far the quadratic model is trusted: the inverse of the damping. Source: Nielsen, "Damping parameter in
 // Marquardt's method", 1999, as in Ceres, with its constants; but the first radius is that of starts which are near,
@@ -56,9 +58,16 @@ double squared_size(const Unknowns& unknowns) {
   return sum;
 }
 
-// Decrease of the cost that is still to be had behind a step: from step to step it falls at least as it did before.
+// Decrease of the cost that is still to be had behind a step. What steps gain falls as it did before, but not forever:
+// strong directions settle first, and along weak ones Gauss-Newton converges linearly, the slower the more noise there is.
 double left_behind(const Step& step, double promised_before) {
-  return step.predicted_decrease * std::min(1.0, step.predicted_decrease / promised_before);
+  return step.predicted_decrease * std::clamp(step.predicted_decrease / promised_before, kSlowFall, 1.0);
+}
+
+// Relative decrease of the cost that moves no unknown by more than kNoMove_sigma: by k sigmas the cost rises by k²/2
+// times the variance of a residual, which is at least twice the cost over the number of residuals.
+double unnoticed(const NormalEquations& equations) {
+  return kNoMove_sigma * kNoMove_sigma / static_cast<double>(equations.residuals());
 }
 
 bool negligible(const Step& step, const Unknowns& unknowns) {
@@ -83,6 +92,7 @@ BundleSummary minimize(NormalEquations& equations, Unknowns& unknowns, const Bun
     return summary;
   };
   summary.initial_cost = here.cost;
+  const double left_at_most = std::max(options.settled, unnoticed(equations));
   Linearization there;
   TrustRegion region;
   double promised_before = 0.0;  // by the step that led here; 0: there is none, or one was refused since
@@ -108,7 +118,7 @@ BundleSummary minimize(NormalEquations& equations, Unknowns& unknowns, const Bun
       return rest("no step lowers the cost any more");
     }
     const bool plain = step->predicted_decrease <= kPlainGain * here.cost && !refused_unseen;
-    if (plain && left_behind(*step, promised_before) <= options.settled * here.cost) {
+    if (plain && left_behind(*step, promised_before) <= left_at_most * here.cost) {
       unknowns = equations.moved(unknowns, *step);
       here.cost -= step->predicted_decrease;
       return finish(Termination::kConverged, "no step would lower the cost any more");

@@ -148,8 +148,9 @@ TEST_F(NoisyStereo, GradientOfEveryCornersRowsVanishes) {
     }
     for (const auto& [name, sum] : sums) {
       const Eigen::VectorXd sigmas_off = sum.first.array() / sum.second.array().sqrt();
-      // Steps end where they lower the cost, some thousands, by less than 1e-14 of itself: 1e-5 sigma.
-      EXPECT_LE(sigmas_off.cwiseAbs().maxCoeff(), 1e-5) << name << ", robust " << robust;
+      // A solve ends where what is left moves no unknown by a thousandth of its sigma; with the robust loss, whose
+      // weights follow the residuals, the last steps are the longest.
+      EXPECT_LE(sigmas_off.cwiseAbs().maxCoeff(), robust > 0.0 ? 1e-3 : 1e-5) << name << ", robust " << robust;
     }
   }
 }

@@ -39,8 +39,8 @@ struct BundleOptions {
   int max_iterations = 100;
   int threads = 1;  ///< changes the time, never the bits
 
-  /// Relative decrease of the cost below which the solve is over. Tight: what is left after the last step is far below
-  /// every sigma, so that answers do not depend on the order of the views, and exact data give the exact answer.
+  /// Relative decrease of the cost below which the solve is over. It is also over, near the optimum, when what is left
+  /// moves no unknown by a thousandth of its sigma, as the residuals tell it: exact data give the exact answer.
   double settled = 1e-14;
 };
 
