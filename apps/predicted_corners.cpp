@@ -23,7 +23,7 @@ std::vector<Observation> predict(const Camera& camera, const Rigid3& camera_from
   std::vector<Observation> predicted;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3d x = camera_from_target * points[i];
-    if (std::atan2(x.head<2>().norm(), x.z()) >= max_angle) continue;  // folds back into the image
+    if (angle_off_axis(x) >= max_angle) continue;  // folds back into the image
     const std::optional<Eigen::Vector2d> pixel = pixel_from_ray(camera, x);
     const bool inside = pixel && pixel->x() > 0 && pixel->y() > 0 && pixel->x() < camera.size.width - 1 &&
                         pixel->y() < camera.size.height - 1;

@@ -125,8 +125,6 @@ struct Plane {
   }
 };
 
-double angle_of(const Eigen::Vector3d& ray) { return std::atan2(ray.head<2>().norm(), ray.z()); }
-
 // From the first to the last used corner of each row of the board: what lies between has to lie on it.
 Json straight_lines(const Camera& camera, const Plane& plane, const Target& target, const TargetView& view,
                     const ViewResult& result) {
@@ -172,12 +170,12 @@ void add_undistorted(const CalibrationProblem& problem, const CalibrationResult&
     const auto ray = ray_from_pixel(camera.camera, observation.pixel);
     if (!ray) return;
     rays.emplace_back(v, *ray);
-    seen_to = std::max(seen_to, angle_of(*ray));
+    seen_to = std::max(seen_to, angle_off_axis(*ray));
   });
   const Plane plane(camera.camera, seen_to);
   std::vector<double> sums(problem.views.size(), 0.0);  // many corners far off the axis, and in the picture, show most
   for (const auto& [v, ray] : rays) {
-    if (plane.shows(ray)) sums[v] += angle_of(ray);
+    if (plane.shows(ray)) sums[v] += angle_off_axis(ray);
   }
   const auto best = static_cast<int>(std::ranges::max_element(sums) - sums.begin());
   if (sums.empty() || sums[best] == 0.0) return;

@@ -62,11 +62,14 @@ Camera start_camera(ModelId model, ImageSize size, double focal_px) {
   });
 }
 
+double angle_off_axis(const Eigen::Vector3d& ray_in_camera) {
+  return std::atan2(ray_in_camera.head<2>().norm(), ray_in_camera.z());
+}
+
 std::optional<Eigen::Vector2d> pixel_from_ray(const Camera& camera, const Eigen::Vector3d& ray_in_camera) {
   return with_model(camera.model, [&]<CameraModel M>() -> std::optional<Eigen::Vector2d> {
     assert(camera.parameters.size() == kParameterCount<M>);
-    const double angle = std::atan2(ray_in_camera.head<2>().norm(), ray_in_camera.z());
-    if (!reaches<M>(camera.parameters.data() + 4, angle)) return std::nullopt;
+    if (!reaches<M>(camera.parameters.data() + 4, angle_off_axis(ray_in_camera))) return std::nullopt;
     Eigen::Vector2d pixel;
     if (!pixel_from_ray<M>(camera.parameters.data(), ray_in_camera.data(), pixel.data())) return std::nullopt;
     return pixel;

@@ -13,9 +13,7 @@ namespace {
 
 constexpr double kCoveredShare = 0.25;  // of a ninth of the image, below which it counts as empty
 
-double angle_off_axis(const Eigen::Vector3d& ray) { return std::atan2(ray.head<2>().norm(), ray.z()); }
-
-double angle_off_axis(const Camera& camera, const Eigen::Vector2d& pixel) {
+double angle_of_pixel(const Camera& camera, const Eigen::Vector2d& pixel) {
   const auto ray = ray_from_pixel(camera, pixel);
   return ray ? angle_off_axis(*ray) : 0.0;
 }
@@ -65,7 +63,7 @@ double reach(const Camera& camera) {
   double largest = 0.0;
   for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(0, camera.cy()), Eigen::Vector2d(right, camera.cy()),
                                        Eigen::Vector2d(camera.cx(), 0), Eigen::Vector2d(camera.cx(), bottom)}) {
-    largest = std::max(largest, angle_off_axis(camera, pixel));
+    largest = std::max(largest, angle_of_pixel(camera, pixel));
   }
   return largest;
 }
@@ -136,7 +134,7 @@ std::vector<CameraCoverage> coverage(const CalibrationProblem& problem, const Ca
       if (problem.cameras[view.camera].name != camera.name || result.views[v].pose < 0) continue;
       for (std::size_t i = 0; i < view.observations.size(); ++i) {
         if (result.views[v].fates[i] != ObservationFate::kUsed) continue;
-        one.seen_to_rad = std::max(one.seen_to_rad, angle_off_axis(camera.camera, view.observations[i].pixel));
+        one.seen_to_rad = std::max(one.seen_to_rad, angle_of_pixel(camera.camera, view.observations[i].pixel));
       }
     }
     all.push_back(one);

@@ -64,7 +64,7 @@ void shine_row(const CabinScene& scene, const CabinView& view, const CabinLighti
 bool within_field(const CabinView& view, int x, int y) {
   if (!view.rays.lit(x, y)) return false;
   const Eigen::Vector3d ray = view.rays.at(x, y, 0.5, 0.5);
-  return std::atan2(ray.head<2>().norm(), ray.z()) <= view.camera.used_half_angle_rad;
+  return angle_off_axis(ray) <= view.camera.used_half_angle_rad;
 }
 
 // The sensor with the exposure at which 1 % of the pixels are above 2/3 of the range.

@@ -40,7 +40,7 @@ class DotMaker {
 
   std::optional<Eigen::Vector2d> pixel_of(const Eigen::Vector3d& x_in_vehicle) const {
     const Eigen::Vector3d ray = camera_from_vehicle_ * x_in_vehicle;
-    if (std::atan2(ray.head<2>().norm(), ray.z()) > camera_.used_half_angle_rad) return std::nullopt;
+    if (angle_off_axis(ray) > camera_.used_half_angle_rad) return std::nullopt;
     const auto pixel = pixel_from_ray(camera_.camera, ray);
     return pixel && camera_.camera.size.contains(*pixel) ? pixel : std::nullopt;
   }

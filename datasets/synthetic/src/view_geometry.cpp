@@ -38,7 +38,7 @@ std::optional<Eigen::Vector2d> PlacedBoard::seen_at(const SimulatedCamera& camer
                                                     const Eigen::Vector3d& x_in_target) const {
   const Rigid3 camera_from_target = camera.camera_from_rig * rig_from_target_;
   const Eigen::Vector3d ray = camera_from_target * x_in_target;
-  if (std::atan2(ray.head<2>().norm(), ray.z()) > camera.used_half_angle_rad) return std::nullopt;
+  if (angle_off_axis(ray) > camera.used_half_angle_rad) return std::nullopt;
   if (facing(x_in_target, camera_from_target.inverse().translation) < kSmallestCosine) return std::nullopt;
   const auto pixel = pixel_from_ray(camera.camera, ray);
   return pixel && within_image(*pixel, camera.camera.size) ? pixel : std::nullopt;

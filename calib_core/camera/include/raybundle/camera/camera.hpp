@@ -77,6 +77,9 @@ struct Camera {
 /// @param focal_px  focal length [px]: slope of radius against angle on the axis
 Camera start_camera(ModelId model, ImageSize size, double focal_px);
 
+/// Angle [rad] between a ray of any length except zero and the optical axis, 0 to pi.
+double angle_off_axis(const Eigen::Vector3d& ray_in_camera);
+
 /// Pixel where a ray lands; nothing where the model does not project it or folds back (beyond max_angle_rad), so that
 /// every answer is undone by ray_from_pixel.
 ///
