@@ -293,8 +293,7 @@ std::vector<PosedViews> find_lenses(const ProblemCamera& camera, const CameraVie
     throw Error(ErrorKind::kNotEnoughData, few + ", and a lens needs three; take more images of the board",
                 "camera " + camera.name);
   }
-  std::vector<PointsInView> chosen;
-  for (const std::size_t v : spread_views(views, kSearchViews)) chosen.push_back(screened(views[v], kSearchCorners));
+  const std::vector<PointsInView> chosen = screened(views, spread_views(views, kSearchViews), kSearchCorners);
 
   std::optional<PosedViews> quick;
   // A quick answer counts only where it can be tested, on views that it was not found with, which it fits plainly, and

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include "linear_pose.hpp"
 #include "raybundle/camera/lanes.hpp"
@@ -19,6 +20,7 @@ namespace {
 constexpr std::size_t kNeighbours = 8;
 
 constexpr double kSurprise = 0.4;  ///< of the distance to the neighbours
+constexpr double kAgreeing = 0.7;  ///< of the neighbours, at least, are right
 
 using Points2 = std::vector<Eigen::Vector2d>;
 
@@ -174,6 +176,7 @@ double surprise(const Points2& board, const Points2& pixels, std::size_t i, cons
   double best_spread = std::numeric_limits<double>::infinity();
   Eigen::Vector2d best_prediction = pixels[i];
   std::vector<double> errors(near.count);
+  const auto too_many = near.count - static_cast<std::size_t>(kAgreeing * static_cast<double>(near.count - 1));
   for (std::size_t a = 0; a < near.count; ++a) {
     for (std::size_t b = a + 1; b < near.count; ++b) {
       for (std::size_t c = b + 1; c < near.count; ++c) {
@@ -185,11 +188,14 @@ double surprise(const Points2& board, const Points2& pixels, std::size_t i, cons
         Eigen::Matrix2d image;
         image << pixels[near.index[b]] - origin_px, pixels[near.index[c]] - origin_px;
         const Eigen::Matrix2d map = image * sides.inverse();
-        for (std::size_t k = 0; k < near.count; ++k) {
+        std::size_t worse = 0;
+        for (std::size_t k = 0; worse < too_many && k < near.count; ++k) {
           const std::size_t j = near.index[k];
           errors[k] = (origin_px + map * (board[j] - origin) - pixels[j]).squaredNorm();
+          worse += errors[k] >= best_spread;
         }
-        const double spread = quantile(errors, 0.7);
+        if (worse == too_many) continue;  // nor can the quantile be better
+        const double spread = quantile(errors, kAgreeing);
         if (spread >= best_spread) continue;
         best_spread = spread;
         best_prediction = origin_px + map * (board[i] - origin);
@@ -202,27 +208,52 @@ double surprise(const Points2& board, const Points2& pixels, std::size_t i, cons
   return spacing > 0 ? (best_prediction - pixels[i]).norm() / spacing : 0.0;
 }
 
+/// The points of a board that a view shows, in their plane, with the neighbours of those that were asked for.
+class FlatBoard {
+ public:
+  explicit FlatBoard(const std::vector<Eigen::Vector3d>& points) : points_(points), neighbours_(points.size()) {
+    if (points.size() < 7) return;  // fewer have too few neighbours to outvote a wrong one
+    const PrincipalFrame frame = principal_frame(points);
+    if (frame.collinear() || frame.spread[2] > 0.1 * frame.spread[0]) return;
+    for (const Eigen::Vector3d& point : points) plane_.push_back(frame.local(point).head<2>());
+  }
+
+  const std::vector<Eigen::Vector3d>& points() const { return points_; }
+
+  /// Whether the corner lies where its neighbours say, or they can say nothing.
+  bool agrees(const Points2& pixels, std::size_t i) {
+    if (plane_.empty()) return true;
+    if (neighbours_[i].count == 0) neighbours_[i] = neighbours_of(plane_, i);
+    const Neighbours& near = neighbours_[i];
+    return plainly_right(plane_, pixels, i, near) || surprise(plane_, pixels, i, near) <= kSurprise;
+  }
+
+ private:
+  std::vector<Eigen::Vector3d> points_;
+  Points2 plane_;
+  std::vector<Neighbours> neighbours_;
+};
+
+PointsInView screened(const PointsInView& view, FlatBoard& board, std::size_t count) {
+  const std::vector<std::size_t> candidates = thinned_indices(view, count);
+  std::vector<std::size_t> kept;
+  for (const std::size_t i : candidates) {
+    if (board.agrees(view.pixels, i)) kept.push_back(i);
+  }
+  return selected(view, kept.size() >= 6 ? kept : candidates);
+}
+
 }  // namespace
 
-PointsInView screened(const PointsInView& view, std::size_t count) {
-  const std::vector<std::size_t> candidates = thinned_indices(view, count);
-  std::vector<Eigen::Vector2d> board;
-  if (view.points.size() >= 7) {  // fewer have too few neighbours to outvote a wrong one
-    const PrincipalFrame frame = principal_frame(view.points);
-    if (!frame.collinear() && frame.spread[2] <= 0.1 * frame.spread[0]) {
-      for (const Eigen::Vector3d& point : view.points) board.push_back(frame.local(point).head<2>());
-    }
+std::vector<PointsInView> screened(std::span<const PointsInView> views, const std::vector<std::size_t>& chosen,
+                                   std::size_t count) {
+  std::vector<PointsInView> result;
+  std::optional<FlatBoard> board;  // views that show it whole show the same
+  for (const std::size_t v : chosen) {
+    if (!board || board->points() != views[v].points) board.emplace(views[v].points);
+    result.push_back(screened(views[v], *board, count));
   }
-  PointsInView kept;
-  for (const std::size_t i : candidates) {
-    if (!board.empty()) {
-      const Neighbours near = neighbours_of(board, i);
-      if (!plainly_right(board, view.pixels, i, near) && surprise(board, view.pixels, i, near) > kSurprise) continue;
-    }
-    kept.points.push_back(view.points[i]);
-    kept.pixels.push_back(view.pixels[i]);
-  }
-  return kept.points.size() >= 6 ? kept : selected(view, candidates);
+  return result;
 }
 
 PointsInView thinned(const PointsInView& view, std::size_t count) {
