@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "workers.hpp"
 
+#include <algorithm>
+
 #include "raybundle/geometry/threads.hpp"
 
 namespace raybundle {
@@ -25,23 +27,23 @@ Workers::~Workers() {
 
 void Workers::for_each(int count, const std::function<void(int)>& function) {
   function_ = &function;
-  count_ = count;
   // Some calls at a time, since one may be shorter than what it costs to hand it out; but all threads shall end
   // together.
-  batch_ = std::clamp(count / (16 * (1 + static_cast<int>(others_.size()))), 1, 8);
-  next_ = 0;
-  busy_ = static_cast<int>(others_.size());
+  left_ = {count, std::clamp(count / (16 * (1 + static_cast<int>(others_.size()))), 1, 8)};
   if (!others_.empty()) {
     ++loops_;
     loops_.notify_all();
   }
   work();
-  for (int busy = busy_; busy > 0; busy = busy_) wait_for_change(busy_, busy);
+  for (int helping = helping_; helping > 0; helping = helping_) wait_for_change(helping_, helping);
 }
 
 void Workers::work() {
-  for (int begin = next_.fetch_add(batch_); begin < count_; begin = next_.fetch_add(batch_)) {
-    for (int i = begin; i < std::min(begin + batch_, count_); ++i) (*function_)(i);
+  for (Left left = left_; left.count > 0;) {
+    const int begin = std::max(0, left.count - left.batch);
+    if (!left_.compare_exchange_weak(left, {begin, left.batch})) continue;
+    for (int i = begin; i < left.count; ++i) (*function_)(i);
+    left = left_;
   }
 }
 
@@ -50,8 +52,9 @@ void Workers::wait_for_loops() {
     wait_for_change(loops_, seen);
     seen = loops_;
     if (seen < 0) return;
+    ++helping_;
     work();
-    if (--busy_ == 0) busy_.notify_one();
+    if (--helping_ == 0) helping_.notify_one();
   }
 }
 

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
 #include <atomic>
 #include <functional>
 #include <thread>
@@ -10,7 +9,8 @@
 
 namespace raybundle {
 
-/// Threads that live as long as the solve and sleep between its loops, unless these follow each other closely.
+/// Threads that live as long as the solve and sleep between its loops, unless these follow each other closely. A loop
+/// waits for nobody who has not begun to help: one that the machine has no processor for costs nothing.
 class Workers {
  public:
   /// @param threads  of which the calling one is the first; fewer, with the same results, when the system gives no more
@@ -24,15 +24,19 @@ class Workers {
   void for_each(int count, const std::function<void(int)>& function);
 
  private:
+  // What is left of a loop: the calls below `count`, of which each thread takes `batch` at a time.
+  struct Left {
+    int count = 0;
+    int batch = 1;
+  };
+
   void work();
   void wait_for_loops();
 
-  const std::function<void(int)>* function_ = nullptr;
-  int count_ = 0;
-  int batch_ = 1;
-  std::atomic<int> next_{0};
-  std::atomic<int> loops_{0};  ///< started so far; negative: the end
-  std::atomic<int> busy_{0};
+  const std::function<void(int)>* function_ = nullptr;  // read by those who have taken a part of its loop
+  std::atomic<Left> left_{};
+  std::atomic<int> helping_{0};  // threads that may have taken a part
+  std::atomic<int> loops_{0};    // started so far; negative: the end
   std::vector<std::jthread> others_;
 };
 
