@@ -98,6 +98,13 @@ std::vector<ViewData> used_views(const CalibrationProblem& problem, const Bundle
   return views;
 }
 
+ViewData view_data(const Target& target, const TargetView& view, const std::vector<ObservationFate>& fates) {
+  ViewData data;
+  const std::vector<int> used = gather(target, view, fates, data);
+  data.points = std::make_shared<BoardPoints>(target, shape_basis(target), used);
+  return data;
+}
+
 std::vector<ViewData> used_views(const CalibrationProblem& problem, const BundleState& state) {
   Workers alone(1);
   return used_views(problem, state, alone);

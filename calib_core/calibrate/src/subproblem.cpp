@@ -79,12 +79,8 @@ CalibrationProblem with_fixed_intrinsics(const CalibrationProblem& problem, cons
 
 void relabel(CalibrationProblem& problem, const std::vector<int>& symmetry_of_view) {
   for (std::size_t v = 0; v < problem.views.size(); ++v) {
-    if (symmetry_of_view[v] < 0) continue;
-    const Target& target = problem.targets[problem.views[v].target];
-    const TargetSymmetry& symmetry = target.symmetries[symmetry_of_view[v]];
-    for (Observation& observation : problem.views[v].observations) {
-      observation.point_id = symmetry.ids[target.find(observation.point_id) - target.points.data()];
-    }
+    TargetView& view = problem.views[v];
+    relabel(problem.targets[view.target], symmetry_of_view[v], view.observations);
   }
 }
 

@@ -226,6 +226,14 @@ void refuse_repeated_points(const TargetView& view, const std::string& where) {
 
 }  // namespace
 
+void relabel(const Target& target, int symmetry, std::vector<Observation>& observations) {
+  if (symmetry < 0) return;
+  const std::vector<int>& ids = target.symmetries[symmetry].ids;
+  for (Observation& observation : observations) {
+    observation.point_id = ids[target.find(observation.point_id) - target.points.data()];
+  }
+}
+
 std::string view_name(const CalibrationProblem& problem, const TargetView& view) {
   std::string name = "camera " + problem.cameras[view.camera].name + ", frame " + problem.frames[view.frame];
   if (problem.targets.size() > 1) name += ", board " + problem.targets[view.target].name;

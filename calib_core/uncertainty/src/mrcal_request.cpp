@@ -45,15 +45,6 @@ std::optional<GridOfPoints> grid_of(const Target& target) {
 
 bool is_bent(const BoardShape& shape) { return shape.sags() != Eigen::Vector3d::Zero(); }
 
-TargetView relabelled_view(const CalibrationProblem& problem, TargetView view, int symmetry) {
-  if (symmetry < 0) return view;
-  const Target& board = problem.targets[view.target];
-  for (Observation& observation : view.observations) {
-    observation.point_id = board.symmetries[symmetry].ids[board.find(observation.point_id) - board.points.data()];
-  }
-  return view;
-}
-
 std::string mrcal_objection(const CalibrationProblem& problem, const CalibrationResult& first) {
   if (!mrcal_available()) return "this build has no mrcal; install libmrcal-dev and build again";
   if (first.calibration.cameras.size() != problem.cameras.size()) return "not all cameras could be calibrated";
@@ -80,10 +71,11 @@ MrcalProblem mrcal_request(const CalibrationProblem& problem, const CalibrationR
     const ViewResult& view = first.views[v];
     if (view.pose < 0) continue;
     MrcalView seen{.camera = problem.views[v].camera, .pose = view.pose, .corners = {}};
-    const TargetView labelled = relabelled_view(problem, problem.views[v], view.symmetry);
+    std::vector<Observation> observations = problem.views[v].observations;
+    relabel(board, view.symmetry, observations);
     for (std::size_t i = 0; i < view.fates.size(); ++i) {
       if (view.fates[i] != ObservationFate::kUsed) continue;
-      const Observation& observation = labelled.observations[i];
+      const Observation& observation = observations[i];
       const auto place = static_cast<std::size_t>(board.find(observation.point_id) - board.points.data());
       seen.corners.push_back({request.grid.node_of_point[place], observation.pixel, 1.0 / observation.sigma_px,
                               observation.pixel - view.residuals_px[i]});

@@ -15,9 +15,6 @@ std::string mrcal_objection(const CalibrationProblem& problem, const Calibration
 /// lens model no name yet. There must be no objection.
 MrcalProblem mrcal_request(const CalibrationProblem& problem, const CalibrationResult& first);
 
-/// A view with the point ids that the solve gave it.
-TargetView relabelled_view(const CalibrationProblem& problem, TargetView view, int symmetry);
-
 /// Whether a board is not held to be flat.
 bool is_bent(const BoardShape& shape);
 

@@ -59,32 +59,16 @@ Eigen::MatrixXd rows_beside_pose(const Calibration& calibration, const std::vect
 }
 
 ViewData used_corners(const CalibrationProblem& problem, const CalibrationResult& result, int view, int camera) {
-  const TargetView& seen = problem.views[view];
+  TargetView seen = problem.views[view];
   const ViewResult& solved = result.views[view];
   const Target& target = problem.targets[seen.target];
-  const auto count = std::ranges::count(solved.fates, ObservationFate::kUsed);
-  ViewData data{.view = view,
-                .camera = camera,
-                .target = seen.target,
-                .pose = solved.pose,
-                .model = problem.cameras[seen.camera].model,
-                .points = {},
-                .pixel = Eigen::MatrixX2d(count, 2),
-                .inverse_sigma = Eigen::ArrayXd(count)};
-  std::vector<int> used;  // of the target's points
-  Eigen::Index row = 0;
-  for (std::size_t i = 0; i < seen.observations.size(); ++i) {
-    if (solved.fates[i] != ObservationFate::kUsed) continue;
-    const Observation& observation = seen.observations[i];
-    auto point = target.find(observation.point_id) - target.points.data();
-    if (solved.symmetry >= 0) {
-      point = target.find(target.symmetries[solved.symmetry].ids[point]) - target.points.data();
-    }
-    used.push_back(static_cast<int>(point));
-    data.pixel.row(row) = observation.pixel.transpose();
-    data.inverse_sigma[row++] = 1.0 / observation.sigma_px;
-  }
-  data.points = std::make_shared<BoardPoints>(target, shape_basis(target), used);
+  relabel(target, solved.symmetry, seen.observations);
+  ViewData data = view_data(target, seen, solved.fates);
+  data.view = view;
+  data.camera = camera;
+  data.target = seen.target;
+  data.pose = solved.pose;
+  data.model = problem.cameras[seen.camera].model;
   return data;
 }
 

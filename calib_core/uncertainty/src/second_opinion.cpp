@@ -37,7 +37,8 @@ std::optional<Calibration> as_mrcal_solves(const CalibrationProblem& problem, co
   for (std::size_t v = 0; v < held.views.size(); ++v) {
     state.pose_of_view.push_back(first.views[v].pose);
     state.fates.push_back(first.views[v].fates);
-    held.views[v] = relabelled_view(held, held.views[v], first.views[v].symmetry);
+    TargetView& view = held.views[v];
+    relabel(held.targets[view.target], first.views[v].symmetry, view.observations);
   }
   const BundleSummary summary =
       solve_bundle(held, state, {.estimate_shape = is_bent(first.calibration.targets[first.poses[0].target].shape)});

@@ -36,6 +36,9 @@ struct ViewData {
 /// One entry for each view that has a pose and at least one used observation, in the order of problem.views.
 std::vector<ViewData> used_views(const CalibrationProblem& problem, const BundleState& state);
 
+/// The observations of a single view that are marked kUsed, and what they are of; the indices are not set.
+ViewData view_data(const Target& target, const TargetView& view, const std::vector<ObservationFate>& fates);
+
 /// The unknowns that one view depends on.
 struct ViewPoint {
   const double* intrinsics = nullptr;

@@ -66,6 +66,11 @@ struct CalibrationProblem {
 /// indices, unknown or repeated point ids, NaN, pixels far outside of the image, wrong parameter counts, sigma <= 0.
 void check(const CalibrationProblem& problem);
 
+/// Gives the observations of a board the labels that one of its symmetries takes theirs to.
+///
+/// @param symmetry  of target.symmetries; -1: as labelled
+void relabel(const Target& target, int symmetry, std::vector<Observation>& observations);
+
 /// `camera left, frame 8`: how messages name a view.
 std::string view_name(const CalibrationProblem& problem, const TargetView& view);
 
