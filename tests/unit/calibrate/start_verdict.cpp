@@ -206,7 +206,7 @@ TruthStart start_from_truth(const RandomRig& rig) {
   return start;
 }
 
-bool another_focal_fits(const RandomRig& rig, const TruthStart& truth) {
+bool another_lens_fits(const RandomRig& rig, const TruthStart& truth) {
   const CalibrationProblem problem = with_lens_prior(rig, rig.truth);
   const Camera& here = truth.optimum.cameras[0];
   const std::vector<Eigen::Vector3d> rays = right_rays(rig);
@@ -216,19 +216,24 @@ bool another_focal_fits(const RandomRig& rig, const TruthStart& truth) {
     const double apart_px = projection_difference_px(here, other.cameras[0], rays);
     return apart_px / std::max(1.0, sigmas) >= kUndeterminedShare * std::max(here.size.width, here.size.height);
   };
-  for (const double times : {0.25, 0.5, 0.6, 0.7, 0.8, 0.9, 1.1, 1.25, 1.4, 1.6, 2.0, 3.0, 4.0}) {
-    BundleState other = truth.optimum;
-    other.cameras[0].parameters.head<2>() *= times;
-    for (BoardPose& pose : other.poses) pose.rig_from_target.translation *= times;
+  // Everything else settles around what is held of the lens; then that goes, too.
+  const auto leads_elsewhere = [&](BundleState other, const std::vector<std::string>& held_names) {
     CalibrationProblem held = problem;
     held.cameras[0].parameters = other.cameras[0].parameters;
-    for (const char* focal : {".fx", ".fy"}) {
-      held.rules.push_back({held.cameras[0].name + focal, ParameterRule::Kind::kFixed, {}, 0.0});
+    for (const std::string& name : held_names) {
+      held.rules.push_back({held.cameras[0].name + "." + name, ParameterRule::Kind::kFixed, {}, 0.0});
     }
     const BundleSummary around = solve_to_the_end(held, other);
     if (as_good_elsewhere(other, around)) return true;
     const BundleSummary from_there = solve_to_the_end(problem, other);
-    if (as_good_elsewhere(other, from_there)) return true;
+    return as_good_elsewhere(other, from_there);
+  };
+  if (leads_elsewhere(rig.truth, {"*"})) return true;
+  for (const double times : {0.25, 0.5, 0.6, 0.7, 0.8, 0.9, 1.1, 1.25, 1.4, 1.6, 2.0, 3.0, 4.0}) {
+    BundleState other = truth.optimum;
+    other.cameras[0].parameters.head<2>() *= times;
+    for (BoardPose& pose : other.poses) pose.rig_from_target.translation *= times;
+    if (leads_elsewhere(std::move(other), {"fx", "fy"})) return true;
   }
   return false;
 }
@@ -269,7 +274,7 @@ Judgement judge_start(const RandomRig& rig, const TruthStart& truth) {
   } catch (const Error& error) {
     judgement.seconds = processor_seconds() - begin;
     const bool right =
-        error.kind() == ErrorKind::kNotEnoughData && (!truth.determined || another_focal_fits(rig, truth));
+        error.kind() == ErrorKind::kNotEnoughData && (!truth.determined || another_lens_fits(rig, truth));
     judgement.verdict = right ? Verdict::kRefusedRightly : Verdict::kRefusedWrongly;
     judgement.why = error.what();
   }

@@ -26,9 +26,9 @@ struct TruthStart {
 
 TruthStart start_from_truth(const RandomRig& rig);
 
-/// Whether a lens of another focal length fits the right corners within three sigmas of what the truth's optimum does
-/// and yet projects them elsewhere: the covariance at the optimum does not see it.
-bool another_focal_fits(const RandomRig& rig, const TruthStart& truth);
+/// Whether another lens fits the right corners within three sigmas of what the truth's optimum does and yet projects
+/// them elsewhere, the true lens itself or one of another focal length: the covariance at the optimum does not see it.
+bool another_lens_fits(const RandomRig& rig, const TruthStart& truth);
 
 enum class Verdict {
   kReached,             ///< the optimum that a start from the truth reaches, or a lower one
