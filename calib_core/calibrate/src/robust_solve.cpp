@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "raybundle/bundle/parameters.hpp"
 #include "raybundle/calibrate/lens_domain.hpp"
 #include "raybundle/geometry/quantile.hpp"
 #include "raybundle/initialize/camera_start.hpp"
@@ -140,6 +141,17 @@ std::vector<double> sigmas_of(const CalibrationProblem& problem, const BundleSta
   return sigmas;
 }
 
+// Squared residuals of the priors, of the lens and by rules.
+double prior_squares(const CalibrationProblem& problem, const BundleState& state) {
+  double sum = 0.0;
+  for (const ParameterBlock& block : parameter_blocks(problem)) {
+    if (block.with_prior().empty()) continue;
+    const PriorMean mean = prior_mean(problem, state, block);
+    sum += prior_residual(block, mean, current_values(state, block)).residual.squaredNorm();
+  }
+  return sum;
+}
+
 // Median of what the corners state.
 double usual_sigma_px(const CalibrationProblem& problem) {
   std::vector<double> sigmas;
@@ -169,14 +181,14 @@ bool is_better(const CalibrationProblem& single, const SolvedState& after, const
   if (spoils_lens(single, before.state, after.state)) return false;
   const Distances here = whitened_distances(single, after.state), there = whitened_distances(single, before.state);
   const double sigma = std::min(sigmas_of(single, after.state, here)[0], sigmas_of(single, before.state, there)[0]);
-  const auto cost = [limit = options.outlier_sigma * sigma](const Distances& distances) {
-    double sum = 0.0;
+  const auto cost = [&, limit = options.outlier_sigma * sigma](const BundleState& state, const Distances& distances) {
+    double sum = prior_squares(single, state);
     for (const std::vector<double>& of_view : distances) {
       for (const double distance : of_view) sum += std::pow(std::min(distance, limit), 2);
     }
     return sum;
   };
-  return cost(here) < cost(there);
+  return cost(after.state, here) < cost(before.state, there);
 }
 
 std::string outlier_rule(const CalibrateOptions& options) {

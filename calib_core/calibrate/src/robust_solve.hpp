@@ -29,8 +29,8 @@ struct SolvedState {
 };
 
 /// Whether a state of a single camera is better than the one before: all its corners fit better, those beyond the limit
-/// of outliers, under the smaller noise of both, counted as if they were there. Never one that did not solve or ends
-/// among its corners, unless the one before does.
+/// of outliers, under the smaller noise of both, counted as if they were there, and the priors with them: they are part
+/// of what a solve makes small. Never one that did not solve or ends among its corners, unless the one before does.
 bool is_better(const CalibrationProblem& single, const SolvedState& after, const SolvedState& before,
                const CalibrateOptions& options);
 
