@@ -136,41 +136,11 @@ std::vector<Camera> cameras_alike(const CalibrationProblem& single, const Solved
   return alike;
 }
 
-// Whether a lower optimum gains no more than noise may and leaves the lens open that was not, although it projects
-// nearly alike: what opens it are parameters that happen to lie where the model does not tell them apart.
-bool opens_for_noise(const CalibrationProblem& single, const CameraOptimum& here, const CameraOptimum& lower) {
-  const BundleState& state = here.solved.state;
-  const ImageSize size = state.cameras[0].size;
-  const auto alike = [&] {
-    const std::vector<Eigen::Vector3d> rays = rays_seen(single, state);
-    return !leaves_lens_open(size, projection_distance_px(state.cameras[0], lower.solved.state.cameras[0], rays));
-  };
-  const double gain = here.solved.summary.final_cost - lower.solved.summary.final_cost;
-  const bool by_noise = 2.0 * gain < std::pow(kAlikeSigmas * robust_sigmas(single, state)[0], 2);
-  return by_noise && leaves_lens_open(size, lower.projection_sigma_px) &&
-         !leaves_lens_open(size, here.projection_sigma_px) && alike();
-}
-
-// Goes where `move` leads, unless that opens the lens for noise.
-template <typename Move>
-bool move_to_lower_by(const Move& move, const CalibrationProblem& single, const CalibrateOptions& options,
-                      CameraOptimum& optimum) {
-  CameraOptimum lower = optimum;
-  if (!move(lower.solved)) return false;
-  lower.projection_sigma_px = projection_sigma_px(single, lower.solved.state, options.threads);
-  if (opens_for_noise(single, optimum, lower)) return false;
-  optimum = std::move(lower);
-  return true;
-}
-
 // Moves to the lowest optimum of a lens that puts corners nearly where the state's does, as near as they can tell, if
-// it is lower: by more than noise makes it where it leaves open a lens that was not and that projects nearly alike.
+// it is lower.
 bool move_to_lower_alike(const CalibrationProblem& single, const CalibrateOptions& options, CameraOptimum& optimum) {
-  const auto move = [&](SolvedState& solved) {
-    const std::vector<Camera> alike = cameras_alike(single, solved, optimum.projection_sigma_px);
-    return move_to_lower(single, alike, options, solved);
-  };
-  return move_to_lower_by(move, single, options, optimum);
+  const std::vector<Camera> alike = cameras_alike(single, optimum.solved, optimum.projection_sigma_px);
+  return move_to_lower(single, alike, options, optimum.solved);
 }
 
 // How well the projection is known by other lenses that fit nearly as well, which the slopes at the optimum do not see:
@@ -199,8 +169,7 @@ bool move_to_lower_of_loose(const CalibrationProblem& single, const CalibrateOpt
   std::vector<CostedState> starts = states_along_weakest(single, state, options.threads);
   std::vector<CostedState> come_past = states_of_other_focals(single, state, options.threads);
   starts.insert(starts.end(), come_past.begin(), come_past.end());
-  const auto move = [&](SolvedState& solved) { return move_to_lower(single, starts, options, solved); };
-  if (move_to_lower_by(move, single, options, optimum)) return true;
+  if (move_to_lower(single, starts, options, optimum.solved)) return true;
   come_past.insert(come_past.end(), starts.begin(), starts.end());  // which are where the solves have come to
   const double by_others_px = sigma_by_others_px(single, state, optimum.solved.summary.final_cost, come_past);
   optimum.projection_sigma_px = std::max(optimum.projection_sigma_px, by_others_px);
