@@ -27,13 +27,6 @@ std::size_t count_used(const std::vector<ObservationFate>& fates) {
   return static_cast<std::size_t>(std::ranges::count(fates, ObservationFate::kUsed));
 }
 
-bool swallows_noise(const CalibrationProblem& single, const BundleState& state) {
-  std::size_t unknowns =
-      6 * static_cast<std::size_t>(std::ranges::count_if(state.pose_of_view, [](int pose) { return pose >= 0; }));
-  for (const ParameterBlock& block : parameter_blocks(single)) unknowns += block.free().size();
-  return count_used(state) <= kSwallowed * unknowns;
-}
-
 /// A corner that was left out but may be right.
 struct DoubtfulCorner {
   std::size_t view = 0, corner = 0;
@@ -150,6 +143,13 @@ std::size_t count_used(const BundleState& state) {
   std::size_t used = 0;
   for (const std::vector<ObservationFate>& fates : state.fates) used += count_used(fates);
   return used;
+}
+
+bool swallows_noise(const CalibrationProblem& single, const BundleState& state) {
+  std::size_t unknowns =
+      6 * static_cast<std::size_t>(std::ranges::count_if(state.pose_of_view, [](int pose) { return pose >= 0; }));
+  for (const ParameterBlock& block : parameter_blocks(single)) unknowns += block.free().size();
+  return count_used(state) <= kSwallowed * unknowns;
 }
 
 bool choose_corners_again(const CalibrationProblem& single, const CalibrateOptions& options, SolvedState& solved) {

@@ -9,6 +9,7 @@
 
 #include "camera_corners.hpp"
 #include "corner_choice.hpp"
+#include "grown_lens.hpp"
 #include "lens_certainty.hpp"
 #include "lower_optima.hpp"
 #include "raybundle/calibrate/lens_domain.hpp"
@@ -163,9 +164,7 @@ double sigma_by_others_px(const CalibrationProblem& single, const BundleState& s
 // is none, the lens is known no better than the lenses tell that the search came past.
 bool move_to_lower_of_loose(const CalibrationProblem& single, const CalibrateOptions& options, CameraOptimum& optimum) {
   const BundleState& state = optimum.solved.state;
-  const ImageSize size = state.cameras[0].size;
-  const bool loose = optimum.projection_sigma_px > kLooseShare * std::max(size.width, size.height);
-  if (!loose || count_used(state) > kMostLoose) return false;
+  if (!knows_loosely(optimum) || count_used(state) > kMostLoose) return false;
   std::vector<CostedState> starts = states_along_weakest(single, state, options.threads);
   std::vector<CostedState> come_past = states_of_other_focals(single, state, options.threads);
   starts.insert(starts.end(), come_past.begin(), come_past.end());
@@ -177,6 +176,11 @@ bool move_to_lower_of_loose(const CalibrationProblem& single, const CalibrateOpt
 }
 
 }  // namespace
+
+bool knows_loosely(const CameraOptimum& optimum) {
+  const ImageSize size = optimum.solved.state.cameras[0].size;
+  return optimum.projection_sigma_px > kLooseShare * std::max(size.width, size.height);
+}
 
 std::vector<Eigen::Vector3d> rays_seen(const CalibrationProblem& single, const BundleState& state) {
   const std::vector<Eigen::Vector3d> rays = used_corners(single, state, 0).rays;
@@ -233,7 +237,7 @@ CameraOptimum leave_local_optima(const CalibrationProblem& single, const Calibra
   turn_boards();
   descend();
   for (int round = 0; round < kRounds && !failed(); ++round) {
-    if (!choose_corners_again(single, options, here)) break;
+    if (!grow_lens(single, options, optimum) && !choose_corners_again(single, options, here)) break;
     mirrored.reset();
     if (!failed()) turn_boards();  // with other corners a board may be held otherwise
     descend();

@@ -20,12 +20,16 @@ struct CameraOptimum {
 };
 
 /// Leaves the optima of a solved camera that lie beside the right one: boards held by their mirrored pose, lenses whose
-/// model has a twin that fits better, views that were lost, and wrong corners among few. The state changes only to one
-/// of lower cost or, where other corners take part, that all corners fit better or more of them take part in.
+/// model has a twin that fits better, or that fits better when it is grown from a simple shape, views that were lost,
+/// and wrong corners among few. The state changes only to one of lower cost or, where other corners take part, that all
+/// corners fit better or more of them take part in.
 ///
 /// @param single  a problem with one camera
 /// @return        `solved` where nothing was better
 CameraOptimum leave_local_optima(const CalibrationProblem& single, const CalibrateOptions& options, SolvedState solved);
+
+/// Whether the projection is known no better than to 0.3 thousandths of the image.
+bool knows_loosely(const CameraOptimum& optimum);
 
 /// Rays of corners in use, spread over the views, through the solved camera: some hundreds of them.
 std::vector<Eigen::Vector3d> rays_seen(const CalibrationProblem& single, const BundleState& state);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "camera_corners.hpp"
+#include "grown_lens.hpp"
 #include "raybundle/initialize/camera_start.hpp"
 #include "raybundle/initialize/other_optima.hpp"
 #include "robust_solve.hpp"
@@ -15,17 +16,6 @@ namespace {
 
 constexpr double kPlainlyPosed = 0.7;  // of a view's corners fit where its pose is right
 constexpr double kFitOfWidth = 0.025;  // of the image: a right corner fits the simpler lens within this
-
-// Parameters of a lens's shape, but for the first, that an ordinary lens has at zero.
-std::vector<int> higher_coefficients(ModelId model) {
-  return with_model(model, []<CameraModel M>() {
-    std::vector<int> higher;
-    for (int k = 1; k < kShapeSize<M>; ++k) {
-      if (M::kStartShape[static_cast<std::size_t>(k)] == 0.0) higher.push_back(kParameterCount<M> - kShapeSize<M> + k);
-    }
-    return higher;
-  });
-}
 
 // Gives views without a pose one under a lens that corners fit that well; whether there are such views.
 bool pose_lost_views(const CalibrationProblem& single, const Camera& lens, double fit_px, BundleState& state) {

@@ -63,6 +63,12 @@ INSTANTIATE_TEST_SUITE_P(Rigs, HardStart,
                                            HardRig{"CoefficientsAreTakenBack", "rational", 41045},
                                            HardRig{"FewCornersTellWhatFitsPlainlyWorse", "rational", 30489},
                                            HardRig{"WrongCornersMayAgreeBetter", "field_of_view", 24161},
+                                           HardRig{"ALensGrowsToTheRimThatItLeftOut", "rational", 90154},
+                                           HardRig{"AGrownLensFitsBetter", "rational", 90349},
+                                           HardRig{"PriorsCountWhereLensesAreCompared", "rational", 90942},
+                                           HardRig{"AGrownLensLiesElsewhereInTheValley", "thin_prism", 48025},
+                                           HardRig{"TheTrueLensMayBeTheOneElsewhere", "pinhole", 90766},
+                                           HardRig{"AnOpenOptimumIsRefused", "unified", 48099},
                                            HardRig{"ParallelBoardsFitOtherFocalLengths", "kannala_brandt", 16005}),
                          [](const auto& rig) { return std::string(rig.param.name); });
 
