@@ -17,7 +17,7 @@ namespace {
 constexpr double kLower = 1e-7;              // relative: by which the cost of the same corners must be lower
 constexpr double kFitOfWidth = 0.025;        // of the image: a right corner fits the simple lens within this
 constexpr std::ptrdiff_t kSeveral = 3;       // corners of one view: hardly all of them are wrong where nothing tells
-constexpr std::size_t kMostCorners = 10000;  // so many leave no lens to chance
+constexpr std::size_t kMostCorners = 10000;  // of more the rim holds enough, and solves are dear
 
 // Whether several corners of a view were left out that lie farther from the principal point than all that are in use:
 // there the lens was not fitted to anything.
