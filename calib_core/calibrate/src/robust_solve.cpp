@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "raybundle/bundle/parameters.hpp"
 #include "raybundle/calibrate/lens_domain.hpp"
@@ -141,17 +142,6 @@ std::vector<double> sigmas_of(const CalibrationProblem& problem, const BundleSta
   return sigmas;
 }
 
-// Squared residuals of the priors, of the lens and by rules.
-double prior_squares(const CalibrationProblem& problem, const BundleState& state) {
-  double sum = 0.0;
-  for (const ParameterBlock& block : parameter_blocks(problem)) {
-    if (block.with_prior().empty()) continue;
-    const PriorMean mean = prior_mean(problem, state, block);
-    sum += prior_residual(block, mean, current_values(state, block)).residual.squaredNorm();
-  }
-  return sum;
-}
-
 // Median of what the corners state.
 double usual_sigma_px(const CalibrationProblem& problem) {
   std::vector<double> sigmas;
@@ -174,21 +164,31 @@ std::vector<double> robust_sigmas(const CalibrationProblem& problem, const Bundl
   return sigmas_of(problem, state, whitened_distances(problem, state));
 }
 
+double prior_squares(const CalibrationProblem& problem, const BundleState& state) {
+  double sum = 0.0;
+  for (const ParameterBlock& block : parameter_blocks(problem)) {
+    if (block.with_prior().empty()) continue;
+    const PriorMean mean = prior_mean(problem, state, block);
+    sum += prior_residual(block, mean, current_values(state, block)).residual.squaredNorm();
+  }
+  return sum;
+}
+
 bool is_better(const CalibrationProblem& single, const SolvedState& after, const SolvedState& before,
-               const CalibrateOptions& options) {
+               const CalibrateOptions& options, std::optional<double> priors_before) {
   if (after.summary.termination == Termination::kFailed) return false;
   if (before.summary.termination == Termination::kFailed) return true;
   if (spoils_lens(single, before.state, after.state)) return false;
   const Distances here = whitened_distances(single, after.state), there = whitened_distances(single, before.state);
   const double sigma = std::min(sigmas_of(single, after.state, here)[0], sigmas_of(single, before.state, there)[0]);
-  const auto cost = [&, limit = options.outlier_sigma * sigma](const BundleState& state, const Distances& distances) {
-    double sum = prior_squares(single, state);
+  const auto cost = [&, limit = options.outlier_sigma * sigma](double sum, const Distances& distances) {
     for (const std::vector<double>& of_view : distances) {
       for (const double distance : of_view) sum += std::pow(std::min(distance, limit), 2);
     }
     return sum;
   };
-  return cost(after.state, here) < cost(before.state, there);
+  if (!priors_before) priors_before = prior_squares(single, before.state);
+  return cost(prior_squares(single, after.state), here) < cost(*priors_before, there);
 }
 
 std::string outlier_rule(const CalibrateOptions& options) {

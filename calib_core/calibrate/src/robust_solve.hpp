@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,11 +29,16 @@ struct SolvedState {
   BundleSummary summary;
 };
 
+/// Sum of the squared residuals of the priors, of the lens and by rules.
+double prior_squares(const CalibrationProblem& problem, const BundleState& state);
+
 /// Whether a state of a single camera is better than the one before: all its corners fit better, those beyond the limit
 /// of outliers, under the smaller noise of both, counted as if they were there, and the priors with them: they are part
 /// of what a solve makes small. Never one that did not solve or ends among its corners, unless the one before does.
+///
+/// @param priors_before  prior_squares() of the one before, where it was solved with other priors than the problem's
 bool is_better(const CalibrationProblem& single, const SolvedState& after, const SolvedState& before,
-               const CalibrateOptions& options);
+               const CalibrateOptions& options, std::optional<double> priors_before = {});
 
 /// The outlier rule in words, as the report prints it.
 std::string outlier_rule(const CalibrateOptions& options);
