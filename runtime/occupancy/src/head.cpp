@@ -9,6 +9,7 @@
 
 #include "capped_scan.hpp"
 #include "head_fit.hpp"
+#include "head_surface.hpp"
 
 namespace raybundle {
 namespace {
@@ -105,7 +106,7 @@ Head find_head(const VehicleLayout& layout, const SeatPose& seat, const Scan& sc
   Head best;
   for (const Candidate& candidate : candidates(layout, seat, capped, options)) {
     if (candidate.score < 0.0) break;
-    Head head = fit_head(capped, candidate.centre, options);
+    Head head = fit_head(capped, seat, candidate.centre, options);
     if (!head.found || !may_be_there(layout, seat, head.centre, options)) continue;
     const BallCount count = count_ball(capped, head.centre, head.semi_axes_m.mean(), 1);
     head.filled = count.filled();
@@ -113,6 +114,12 @@ Head find_head(const VehicleLayout& layout, const SeatPose& seat, const Scan& sc
     const bool believed =
         head.filled >= options.least_filled && head.clear >= options.least_clear && head.misfit <= options.most_misfit;
     if (!believed) continue;
+    const HeadSurface surface = surface_of(capped, head, options);
+    head.bend_off = surface.bend_off;
+    head.pierced = surface.pierced;
+    const double bend = std::max(0.0, head.bend_off - options.common_bend_off);
+    const bool bends = std::hypot(head.misfit, bend) <= options.most_misfit;
+    if (!bends || head.pierced > options.most_pierced) continue;
     if (!best.found || head.centre.z() > best.centre.z()) best = head;
   }
   return best;

@@ -138,9 +138,16 @@ class Sums {
   double squares_in_sigmas_ = 0.0;
 };
 
+// The logarithm of the size that heads so far from the bight commonly have: leaning, they hardly come nearer to it.
+double common_log_size(const SeatPose& seat, const Eigen::Vector3d& centre, const HeadOptions& options) {
+  const double from_bight_m = (Eigen::Vector2d(centre.x(), centre.z()) - seat.bight).norm();
+  return std::clamp(options.shrink_per_m * (from_bight_m - options.small_below_m), options.least_log_size, 0.0);
+}
+
 }  // namespace
 
-Head fit_head(const CappedScan& capped, const Eigen::Vector3d& start, const HeadOptions& options) {
+Head fit_head(const CappedScan& capped, const SeatPose& seat, const Eigen::Vector3d& start,
+              const HeadOptions& options) {
   const Eigen::Vector3d& eye = capped.scan().viewpoint_in_vehicle;
   Head head;
   Ellipsoid ellipsoid{.centre = start, .nod_rad = options.nod_rad};
@@ -154,7 +161,7 @@ Head fit_head(const CappedScan& capped, const Eigen::Vector3d& start, const Head
     for (const ScenePoint& point : capped.scan().points) sums.add(point, capped.sigma_m(point), cut);
     if (sums.points < options.least_points) return head;
     alike_points = std::max(1.0, sums.points / patches);
-    sums.add_prior(3, ellipsoid.log_size, options.size_sigma);
+    sums.add_prior(3, ellipsoid.log_size - common_log_size(seat, ellipsoid.centre, options), options.size_sigma);
     sums.add_prior(4, ellipsoid.turn_rad, options.turn_sigma_rad);
     sums.add_prior(5, ellipsoid.nod_rad - options.nod_rad, options.nod_sigma_rad);
     const Vector6 step = -sums.information.ldlt().solve(sums.gradient);

@@ -8,7 +8,8 @@
 namespace raybundle {
 
 /// Fits the ellipsoid of a head from a start within a few centimetres; not found when too few points are on it.
-/// Gauss-Newton with Tukey's biweight on distances from the surface, and priors of size, turn and nod.
-Head fit_head(const CappedScan& capped, const Eigen::Vector3d& start, const HeadOptions& options);
+/// Gauss-Newton with Tukey's biweight on distances from the surface, and priors of size, turn and nod;
+/// the lower the head is above the seat, the smaller it commonly is.
+Head fit_head(const CappedScan& capped, const SeatPose& seat, const Eigen::Vector3d& start, const HeadOptions& options);
 
 }  // namespace raybundle

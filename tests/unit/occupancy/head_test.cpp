@@ -60,9 +60,12 @@ std::vector<ScenePoint> seen(const std::vector<Shape>& shapes, double sigma_m) {
   return points;
 }
 
-Head found_in(const std::vector<Shape>& shapes, double sigma_m) {
-  const std::vector<ScenePoint> points = seen(shapes, sigma_m);
-  return find_head({}, {}, {.viewpoint_in_vehicle = kEye, .points = points, .rays = 20000});
+Head found_among(const std::vector<ScenePoint>& points, const HeadOptions& options = {}) {
+  return find_head({}, {}, {.viewpoint_in_vehicle = kEye, .points = points, .rays = 20000}, options);
+}
+
+Head found_in(const std::vector<Shape>& shapes, double sigma_m, const HeadOptions& options = {}) {
+  return found_among(seen(shapes, sigma_m), options);
 }
 
 const Shape kBody{{-0.05, 0.0, 0.22}, {0.13, 0.20, 0.28}};
@@ -146,6 +149,38 @@ TEST(Head, AHeadrestIsNone) {
 TEST(Head, ABallOrABagIsNone) {
   EXPECT_FALSE(found_in({{{0.05, 0.0, 0.06}, {0.10, 0.10, 0.10}}}, 0.003).found);
   EXPECT_FALSE(found_in({{{-0.05, 0.0, 0.45}, {0.20, 0.24, 0.35}}}, 0.003).found);
+}
+
+// Toddlers' heads are smaller than the prior of adults would have them, and lower: 1 cm as above.
+TEST(Head, OfAToddlerIsFoundWhereItIs) {
+  const Eigen::Vector3d centre(SeatPose{}.bight.x() + 0.05, 0.0, SeatPose{}.bight.y() + 0.58);
+  for (const double turn : {-0.4, 0.0, 0.4}) {
+    const Head head = found_in({{{-0.08, 0.0, 0.10}, {0.10, 0.13, 0.20}}, head_at(centre, turn, 0.89)}, 0.004);
+    ASSERT_TRUE(head.found) << turn;
+    EXPECT_LT((head.centre - centre).norm(), 0.010) << turn;
+    EXPECT_LT(head.size, 0.95) << turn;
+  }
+}
+
+// The wing of a child seat: as wide and high as a head, but flat. It is its bend by which it is told from one.
+TEST(Head, AWingIsNone) {
+  const Shape wing{{-0.05, 0.03, 0.60}, {0.03, 0.07, 0.10}, std::atan2(0.33, 0.51)};
+  EXPECT_FALSE(found_in({wing}, 0.010).found);
+  HeadOptions unbent;
+  unbent.common_bend_off = INFINITY;
+  EXPECT_TRUE(found_in({wing}, 0.010, unbent).found);
+}
+
+// One ray in five goes through it: a net, or the rim of something, but no head.
+TEST(Head, IsOpaque) {
+  const Shape shape = head_at({-0.05, 0.03, 0.60}, 0.2);
+  std::vector<ScenePoint> points = seen({kBody, shape}, 0.002);
+  std::erase_if(points, [](const ScenePoint& point) { return point.ray % 5 == 0; });
+  EXPECT_TRUE(found_among(points).found);
+  for (const ScenePoint& point : seen({kBody}, 0.002)) {
+    if (point.ray % 5 == 0) points.push_back(point);
+  }
+  EXPECT_FALSE(found_among(points).found);
 }
 
 }  // namespace
