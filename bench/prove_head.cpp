@@ -17,6 +17,7 @@
 #include "occupancy_chain.hpp"
 #include "raybundle/geometry/quantile.hpp"
 #include "raybundle/geometry/threads.hpp"
+#include "raybundle/geometry/wilson.hpp"
 #include "raybundle/occupancy/head.hpp"
 #include "support/bar.hpp"
 #include "thinning.hpp"
@@ -133,7 +134,12 @@ bool prove(CockpitGenerator generator, const Group& group, int scenes, std::uint
   } else if (visible > 0) {
     std::printf("  information: %d of %d heads that are seen well are told\n", visible_found, visible);
   }
-  if (empty > 0) good &= at_most(kMostFalse, "heads found where none is", 1.0 * wrong / empty, kPercent);
+  if (empty > 0) {
+    const double share = 1.0 * wrong / empty;
+    good &= at_most(kMostFalse, "heads found where none is", share, kPercent);
+    std::printf("  information: %d of %d; with 95 %% confidence %.1f to %.1f %%\n", wrong, empty,
+                100.0 * wilson_bound(share, empty, -1.96), 100.0 * wilson_bound(share, empty, 1.96));
+  }
   if (!errors_m.empty()) {
     if (group.to_be_found) {
       good &= at_most(kMostMedian_m, "distance from the true front, median", median(errors_m), kMillimetres);
