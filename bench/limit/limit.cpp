@@ -228,7 +228,8 @@ BundleSummary solve(const CalibrationProblem& problem, BundleState& state) {
   while (summary.iterations++ < 100 && radius > 1e-32) {
     const double predicted = step(here, radius, point, candidate);
     if (predicted <= 1e-14 * cost) break;
-    if (predicted <= 1e-6 * cost && predicted * std::clamp(predicted / promised, 0.1, 1.0) <= left_at_most * cost) {
+    const double fall = std::max(predicted / promised, 0.1);
+    if (predicted <= 1e-6 * cost && fall < 1 && predicted * fall / (1 - fall) <= left_at_most * cost) {
       std::swap(point, candidate);  // as solve_bundle, which does not look at what the last step leads to either
       cost -= predicted;
       break;

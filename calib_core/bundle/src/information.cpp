@@ -56,9 +56,8 @@ ReducedInformation information_with_beams(BeamSystem& at, const BundleOptions& o
   const BlockSystem& system = at.here.system;
   ReducedInformation result{.names = free_names(equations.layout()),
                             .information = parameter_information(system, equations.workers()),
-                            .chi2 = system.chi2};
-  for (const ViewData& view : equations.views()) result.residuals += 2 * static_cast<int>(view.pixel.rows());
-  for (const ViewDots& view : equations.dots()) result.residuals += 2 * static_cast<int>(view.dots.size());
+                            .chi2 = system.chi2,
+                            .residuals = static_cast<int>(equations.residuals())};
   for (const PriorResidual& prior : at.here.priors) result.residuals += static_cast<int>(prior.residual.size());
   result.parameters = system.parameters() + 6 * system.poses.blocks() - at.pinned.of_poses;
   for (std::size_t b = 0; b < at.pinned.of_beam.size(); ++b) {

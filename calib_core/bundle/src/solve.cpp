@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "normal_equations.hpp"
@@ -27,6 +28,7 @@ constexpr double kNoMove_sigma = 1e-3;    // by which no unknown may be off the 
 class TrustRegion {
  public:
   double radius() const { return radius_; }
+  bool hardly_damps() const { return radius_ >= 0.1 * kFirstRadius; }
   bool vanished() const { return radius_ < 1e-32; }
 
   /// @param gain           decrease of the cost over what was predicted
@@ -58,10 +60,12 @@ double squared_size(const Unknowns& unknowns) {
   return sum;
 }
 
-// Decrease of the cost that is still to be had behind a step. What steps gain falls as it did before, but not forever:
-// strong directions settle first, and along weak ones Gauss-Newton converges linearly, the slower the more noise there is.
+// Decrease of the cost that is still to be had behind a step, by the one and all after it. What steps gain falls as it
+// did before, but not forever: strong directions settle first, and along weak ones Gauss-Newton converges linearly, the
+// slower the more noise there is. Infinite where nothing tells how it falls.
 double left_behind(const Step& step, double promised_before) {
-  return step.predicted_decrease * std::clamp(step.predicted_decrease / promised_before, kSlowFall, 1.0);
+  const double fall = std::max(step.predicted_decrease / promised_before, kSlowFall);
+  return fall < 1.0 ? step.predicted_decrease * fall / (1.0 - fall) : std::numeric_limits<double>::infinity();
 }
 
 // Relative decrease of the cost that moves no unknown by more than kNoMove_sigma: by k sigmas the cost rises by k²/2
@@ -117,7 +121,7 @@ BundleSummary minimize(NormalEquations& equations, Unknowns& unknowns, const Bun
     if (step->predicted_decrease <= options.settled * here.cost) {
       return rest("no step lowers the cost any more");
     }
-    const bool plain = step->predicted_decrease <= kPlainGain * here.cost && !refused_unseen;
+    const bool plain = step->predicted_decrease <= kPlainGain * here.cost && region.hardly_damps() && !refused_unseen;
     if (plain && left_behind(*step, promised_before) <= left_at_most * here.cost) {
       unknowns = equations.moved(unknowns, *step);
       here.cost -= step->predicted_decrease;

@@ -10,7 +10,7 @@
 namespace raybundle {
 
 /// Threads that live as long as the solve and sleep between its loops, unless these follow each other closely. A loop
-/// waits for nobody who has not begun to help: one that the machine has no processor for costs nothing.
+/// waits for nobody who has not begun to help, as a thread that the machine has no processor for.
 class Workers {
  public:
   /// @param threads  of which the calling one is the first; fewer, with the same results, when the system gives no more
@@ -35,6 +35,7 @@ class Workers {
 
   const std::function<void(int)>* function_ = nullptr;  // read by those who have taken a part of its loop
   std::atomic<Left> left_{};
+  static_assert(std::atomic<Left>::is_always_lock_free);
   std::atomic<int> helping_{0};  // threads that may have taken a part
   std::atomic<int> loops_{0};    // started so far; negative: the end
   std::vector<std::jthread> others_;

@@ -92,8 +92,7 @@ SolvedState solve_from(const CameraStart& start, CalibrationProblem& single, con
 SolvedState solve_from_best(const CameraStart& start, CalibrationProblem& single, const CalibrateOptions& options) {
   SolvedState best = solve_from(start, single, options);
   std::vector<ParameterRule> priors_of_best = single.lens_priors;
-  double squares_of_best =
-      prior_squares(single, best.state);  // each with its own priors: a lens is weighed by its noise
+  double squares_of_best = prior_squares(single, best.state);  // each by its own priors, which its noise weighs
   for (const CameraStart& other : start.others) {
     SolvedState solved = solve_from(other, single, options);
     if (!is_better(single, solved, best, options, squares_of_best)) continue;

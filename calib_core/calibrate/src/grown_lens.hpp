@@ -13,7 +13,8 @@ namespace raybundle {
 std::vector<int> higher_coefficients(ModelId model);
 
 /// Solves for a lens with a denominator once more from a simple shape, and keeps what fits all corners better: from the
-/// lens whose higher coefficients are zero, which are let go one after the other, with all corners of the posed views.
+/// lens whose higher coefficients are zero, which are let go one after the other; corners that were left out
+/// of posed views come back as the rule of outliers allows.
 ///
 /// Numerator and denominator may have a nearly common factor, and a solve that has all coefficients at once ends at one
 /// of many optima, or bends the lens to where it leaves out the corners of the rim that would have held it. On the way

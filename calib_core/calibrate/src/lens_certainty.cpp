@@ -86,16 +86,14 @@ double projection_distance_px(const Camera& camera, const Camera& other,
                    : std::numeric_limits<double>::infinity();
 }
 
-bool leaves_lens_open(ImageSize size, double sigma_px) { return sigma_px > open_limit_px(size); }
-
 void refuse_open_lens(const CalibrationProblem& single, const BundleState& state, double sigma_px) {
-  const ImageSize size = state.cameras[0].size;
-  if (!leaves_lens_open(size, sigma_px)) return;
+  const double limit_px = open_limit_px(state.cameras[0].size);
+  if (sigma_px <= limit_px) return;
   throw Error(ErrorKind::kNotEnoughData,
               fmt::format("the views leave the lens open: its projection would be known to {:.0f} px only, and beyond "
                           "{:.0f} px (2 % of the image) it is of no use; tilt the board by 20 to 45 degrees in some "
                           "images, hold it near and far and in the corners, or choose a model with fewer parameters",
-                          sigma_px, open_limit_px(size)),
+                          sigma_px, limit_px),
               "camera " + single.cameras[0].name);
 }
 

@@ -18,10 +18,8 @@ double projection_sigma_px(const CalibrationProblem& single, const BundleState& 
 double projection_distance_px(const Camera& camera, const Camera& other,
                               const std::vector<Eigen::Vector3d>& rays_in_camera);
 
-/// Whether a projection that is known no better leaves the lens open: by more than 2 % of the image.
-bool leaves_lens_open(ImageSize size, double sigma_px);
-
-/// Refuses a lens of a camera by itself that the views leave open.
+/// Refuses a lens of a camera by itself that the views leave open: its projection known no better than to 2 % of the
+/// image.
 ///
 /// @param sigma_px  how well its projection is known: CameraOptimum::projection_sigma_px
 /// @throws Error(kNotEnoughData)

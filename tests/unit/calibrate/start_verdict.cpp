@@ -211,8 +211,10 @@ bool another_lens_fits(const RandomRig& rig, const TruthStart& truth) {
   const Camera& here = truth.optimum.cameras[0];
   const std::vector<Eigen::Vector3d> rays = right_rays(rig);
   const auto as_good_elsewhere = [&](const BundleState& other, const BundleSummary& summary) {
-    const double sigmas = std::sqrt(std::max(0.0, 2.0 * (summary.final_cost - truth.cost)));
-    if (summary.termination == Termination::kFailed || !(sigmas <= 3.0)) return false;
+    if (summary.termination == Termination::kFailed) return false;
+    const double cost = cost_of(problem, other);  // with the priors of what was held
+    const double sigmas = std::sqrt(std::max(0.0, 2.0 * (cost - truth.cost)));
+    if (!(sigmas <= 3.0)) return false;
     const double apart_px = projection_difference_px(here, other.cameras[0], rays);
     return apart_px / std::max(1.0, sigmas) >= kUndeterminedShare * std::max(here.size.width, here.size.height);
   };
