@@ -35,8 +35,8 @@ constexpr int kTopLeft = 3;
 
 struct Grid {
   const cv::Mat& gray;
-  const AprilGrid& board;
-  cv::Ptr<cv::aruco::Dictionary> codes;
+  AprilGrid board;
+  cv::Ptr<cv::aruco::Dictionary> codes = tag_family_named(board.family);
   int turn = 0;                // quarter turns between the print's codes and the dictionary's
   bool corner_squares = true;  // saddles, otherwise plain tag corners
 
@@ -44,7 +44,7 @@ struct Grid {
   int tags() const { return board.columns * board.rows; }
   Eigen::Vector2d place(int point_id) const {
     const int tag = point_id / 4;
-    const Eigen::Vector2d base(tag % board.columns, tag / board.columns);
+    const Eigen::Vector2d base(board.column(tag), board.row_from_bottom(tag));
     const auto& corner = kCornerOf[point_id % 4];
     return pitch_m() * base + board.tag_m * Eigen::Vector2d(corner[0], corner[1]);
   }
@@ -273,6 +273,13 @@ std::string hint_for(const cv::Mat& gray, const Grid& grid, const MarkerSearch& 
     if (mirrored >= 3) return fmt::format("{} tags are read in the image's mirror image: {}", mirrored, kMirrored);
   }
   if (search.markers.size() >= 3) {
+    AprilGrid other_way = board;
+    other_way.top_down = !board.top_down;
+    Grid other{gray, other_way};
+    if (choose_turn(other, of_this_board(search.markers, board)).size() >= 3) {
+      return fmt::format("the tags' codes count from the {}: {}", board.top_down ? "bottom left" : "top left",
+                         board.top_down ? "leave top_down out" : "try :top_down (in TOML top_down = true)");
+    }
     return fmt::format(
         "{} tags of family {} seen, but they do not stand as on a board of {} x {} tags from tag {}: check columns, "
         "rows and first_tag",
@@ -289,7 +296,7 @@ std::string hint_for(const cv::Mat& gray, const Grid& grid, const MarkerSearch& 
 }  // namespace
 
 Detection detect_april_grid(const cv::Mat& gray, const AprilGrid& board) {
-  Grid grid{gray, board, tag_family_named(board.family)};
+  Grid grid{gray, board};
   const MarkerSearch search = find_markers(gray, grid.codes, board.border_bits);
   const std::vector<Marker> mine = of_this_board(search.markers, board);
   const std::vector<Marker> markers = choose_turn(grid, mine);
@@ -309,7 +316,7 @@ Detection detect_april_grid(const cv::Mat& gray, const AprilGrid& board) {
 
 std::vector<Observation> refine_predicted_april_grid(const cv::Mat& gray, const AprilGrid& board,
                                                      const std::vector<Observation>& predicted) {
-  Grid grid{gray, board, tag_family_named(board.family)};
+  Grid grid{gray, board};
   MarkerMap map;
   for (const Observation& point : predicted) map.add(grid.place(point.point_id), point.pixel, 1.0);
   std::vector<Observation> accepted;

@@ -145,11 +145,9 @@ std::vector<TargetPoint> points_of(const AprilGrid& board) {
   constexpr std::array<std::array<int, 2>, 4> kCorners{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
   std::vector<TargetPoint> points;
   for (int tag = 0; tag < board.columns * board.rows; ++tag) {
-    const int column = tag % board.columns;
-    const int row = tag / board.columns;
     for (int corner = 0; corner < 4; ++corner) {
-      const double x = column * step_m + kCorners[corner][0] * board.tag_m;
-      const double y = row * step_m + kCorners[corner][1] * board.tag_m;
+      const double x = board.column(tag) * step_m + kCorners[corner][0] * board.tag_m;
+      const double y = board.row_from_bottom(tag) * step_m + kCorners[corner][1] * board.tag_m;
       points.push_back({4 * tag + corner, {x, y, 0.0}});
     }
   }

@@ -3,6 +3,7 @@
 #include "board_dictionary.hpp"
 
 #include <array>
+#include <span>
 #include <utility>
 
 #include "raybundle/geometry/error.hpp"
@@ -43,33 +44,46 @@ constexpr auto kFamilies = std::to_array<NamedDictionary>({
     {"16h5", cv::aruco::DICT_APRILTAG_16h5},
 });
 
-template <typename List>
-std::vector<std::string> names_of(const List& list) {
-  std::vector<std::string> names;
+void add_names(std::span<const NamedDictionary> list, std::vector<std::string>& names) {
   for (const NamedDictionary& entry : list) names.emplace_back(entry.first);
-  return names;
 }
 
-template <typename List>
-cv::Ptr<cv::aruco::Dictionary> find(const List& list, const std::string& name, const std::string& what) {
+// Null when there is none of that name.
+cv::Ptr<cv::aruco::Dictionary> find(std::span<const NamedDictionary> list, const std::string& name) {
   for (const NamedDictionary& entry : list) {
     if (name == entry.first) return cv::aruco::getPredefinedDictionary(entry.second);
   }
-  throw Error(ErrorKind::kBadInput, "there is no " + what + " \"" + name + "\"." + did_you_mean(name, names_of(list)));
+  return nullptr;
+}
+
+[[noreturn]] void refuse(const std::string& what, const std::string& name, const std::vector<std::string>& known) {
+  throw Error(ErrorKind::kBadInput, "there is no " + what + " \"" + name + "\"." + did_you_mean(name, known));
 }
 
 }  // namespace
 
-std::vector<std::string> dictionary_names() { return names_of(kDictionaries); }
+std::vector<std::string> dictionary_names() {
+  std::vector<std::string> names;
+  add_names(kDictionaries, names);
+  return names;
+}
 
-std::vector<std::string> tag_family_names() { return names_of(kFamilies); }
+std::vector<std::string> tag_family_names() {
+  std::vector<std::string> names;
+  add_names(kFamilies, names);
+  add_names(kDictionaries, names);
+  return names;
+}
 
 cv::Ptr<cv::aruco::Dictionary> dictionary_named(const std::string& name) {
-  return find(kDictionaries, name, "marker dictionary");
+  if (const auto found = find(kDictionaries, name)) return found;
+  refuse("marker dictionary", name, dictionary_names());
 }
 
 cv::Ptr<cv::aruco::Dictionary> tag_family_named(const std::string& family) {
-  return find(kFamilies, family, "AprilTag family");
+  if (const auto found = find(kFamilies, family)) return found;
+  if (const auto found = find(kDictionaries, family)) return found;
+  refuse("tag family", family, tag_family_names());
 }
 
 }  // namespace raybundle

@@ -58,7 +58,7 @@ BoardKind charuco() {
 BoardKind aprilgrid() {
   using enum FieldForm;
   return {"aprilgrid",
-          "grid of AprilTags; by default as Kalibr prints it",
+          "grid of AprilTags or ArUco markers; by default as Kalibr prints it (36h11; also 25h9, 16h5, DICT_...)",
           "aprilgrid:6x6:88mm:0.3",
           AprilGrid{},
           {field(&AprilGrid::columns, "columns", kCount, kRequired, "tags in a row"),
@@ -68,7 +68,9 @@ BoardKind aprilgrid() {
            field(&AprilGrid::family, "family", kChoice, kOptional, "tag family", tag_family_names()),
            field(&AprilGrid::border_bits, "border_bits", kBits, kOptional,
                  "width of the black border: 2 as Kalibr's, 1 as AprilTag's own"),
-           field(&AprilGrid::first_tag, "first_tag", kNumber, kOptional, "code of the bottom-left tag")}};
+           field(&AprilGrid::first_tag, "first_tag", kNumber, kOptional, "the lowest code"),
+           field(&AprilGrid::top_down, "top_down", kFlag, kOptional,
+                 "codes count from the top left, as OpenCV's GridBoard, not from the bottom left")}};
 }
 
 BoardKind circles() {
@@ -119,9 +121,7 @@ std::string optional_part(const BoardField& field) {
   if (field.form == FieldForm::kFlag) return "[:" + field.name + "]";
   if (field.form == FieldForm::kBits) return "[:1bit|2bit]";
   if (field.form != FieldForm::kChoice) return "[:" + field.word_name() + "=" + upper(field.word_name()) + "]";
-  std::string choices;
-  for (const std::string& choice : field.choices) choices += (choices.empty() ? "" : "|") + choice;
-  return "[:" + choices + "]";
+  return "[:" + upper(field.word_name()) + "]";
 }
 
 }  // namespace

@@ -78,7 +78,7 @@ BoardPicture draw_kind(const Charuco& board) {
   return picture;
 }
 
-// y points up in the target frame: tag 0 is the bottom-left one.
+// y points up in the target frame.
 BoardPicture draw_kind(const AprilGrid& board) {
   const double gap = board.spacing * board.tag_m;
   const double step = board.tag_m + gap;
@@ -87,14 +87,12 @@ BoardPicture draw_kind(const AprilGrid& board) {
   BoardPicture picture = picture_of_size(width, height, {gap, height - gap});
   picture.y_direction = -Eigen::Vector2d::UnitY();
   const auto dictionary = tag_family_named(board.family);
-  for (int row = 0; row < board.rows; ++row) {
-    for (int column = 0; column < board.columns; ++column) {
-      const Eigen::Vector2d corner(gap + column * step, height - (row + 1) * step);
-      // OpenCV holds the published codes upside down.
-      cv::Mat bits;
-      cv::flip(bits_of(*dictionary, board.first_tag + row * board.columns + column), bits, -1);
-      add_marker(picture, bits, board.border_bits, corner, board.tag_m);
-    }
+  for (int tag = 0; tag < board.columns * board.rows; ++tag) {
+    const Eigen::Vector2d corner(gap + board.column(tag) * step, height - (board.row_from_bottom(tag) + 1) * step);
+    cv::Mat bits = bits_of(*dictionary, board.first_tag + tag);
+    // Of the AprilTag families, OpenCV holds the published codes upside down.
+    if (!board.family.starts_with("DICT_")) cv::flip(bits, bits, -1);
+    add_marker(picture, bits, board.border_bits, corner, board.tag_m);
   }
   for (int row = 0; row <= board.rows; ++row) {
     for (int column = 0; column <= board.columns; ++column) {

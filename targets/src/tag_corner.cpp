@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "grey_at.hpp"
@@ -18,32 +19,43 @@ constexpr double kLastShare = 0.55;   // beyond, a bent side leaves the line
 constexpr double kWeakestStep = 8.0;  // grey values across an edge
 constexpr double kWorstLine_px = 0.5;
 
-// Centroid of the positive slope along `outward` through `place`: where dark turns to bright.
+// Centroid of positive slopes under a round window that is moved onto it: where the window begins does not show.
+double centred(const std::vector<double>& slopes, double start) {
+  constexpr double kWindow = 6.0;  // samples to its edge, 3 px: the slope of a lens that is not plainly out of focus
+  constexpr int kMostSteps = 20;
+  double centre = start;
+  for (int step = 0; step < kMostSteps; ++step) {
+    double sum = 0.0;
+    double moment = 0.0;
+    const int last = std::min(static_cast<int>(slopes.size()) - 1, static_cast<int>(centre + kWindow));
+    for (int i = std::max(0, static_cast<int>(std::ceil(centre - kWindow))); i <= last; ++i) {
+      const double inside = 1.0 - std::pow((i - centre) / kWindow, 2);
+      const double weight = inside * inside * std::max(0.0, slopes[i]);
+      sum += weight;
+      moment += weight * i;
+    }
+    const double before = std::exchange(centre, moment / sum);
+    if (std::abs(centre - before) < 1e-3) break;
+  }
+  return centre;
+}
+
+// Middle of the steepest rise along `outward` through `place`: where dark turns to bright.
 std::optional<double> edge_offset(const cv::Mat& gray, const Eigen::Vector2d& place, const Eigen::Vector2d& outward,
                                   double reach_px) {
   constexpr double kStep_px = 0.5;
   const int half = std::max(3, static_cast<int>(std::ceil(reach_px / kStep_px)));
   std::vector<double> values;
-  for (int i = -half; i <= half; ++i) {
+  for (int i = -half - 1; i <= half + 1; ++i) {
     const double value = grey_at(gray, place + i * kStep_px * outward);
     if (value < 0.0) return std::nullopt;
     values.push_back(value);
   }
-  std::size_t steepest = 1;
-  const auto slope = [&](std::size_t i) { return values[i + 1] - values[i - 1]; };
-  for (std::size_t i = 1; i + 1 < values.size(); ++i) {
-    if (slope(i) > slope(steepest)) steepest = i;
-  }
-  if (slope(steepest) < kWeakestStep) return std::nullopt;
-  double sum = 0.0;
-  double moment = 0.0;
-  const std::size_t first = std::max<std::size_t>(1, steepest >= 3 ? steepest - 3 : 1);
-  for (std::size_t i = first; i <= steepest + 3 && i + 1 < values.size(); ++i) {
-    const double weight = std::max(0.0, slope(i));
-    sum += weight;
-    moment += weight * (static_cast<double>(i) - half) * kStep_px;
-  }
-  return moment / sum;
+  std::vector<double> slopes;
+  for (std::size_t i = 1; i + 1 < values.size(); ++i) slopes.push_back(values[i + 1] - values[i - 1]);
+  const auto steepest = std::ranges::max_element(slopes);
+  if (*steepest < kWeakestStep) return std::nullopt;
+  return (centred(slopes, static_cast<double>(steepest - slopes.begin())) - half) * kStep_px;
 }
 
 struct Line {

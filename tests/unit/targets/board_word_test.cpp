@@ -65,11 +65,11 @@ TEST(BoardWord, KnowsFourUnitsOfLength) {
 }
 
 TEST(BoardWord, GivesBackTheSameWord) {
-  for (const char* word :
-       {"chessboard:9x6:25mm", "chessboard:9x6:24.23mm", "charuco:8x8:25.4mm:19.05mm:DICT_4X4_1000",
-        "charuco:8x8:25.4mm:19.05mm:DICT_4X4_1000:legacy:inverted", "aprilgrid:6x6:88mm:0.3",
-        "aprilgrid:6x6:88mm:0.3:25h9:1bit", "aprilgrid:2x2:88mm:0.3:first_tag=36", "circles:7x7:20mm",
-        "asymmetric_circles:4x11:20mm", "asymmetric_circles:4x11:20mm:row_step=35mm"}) {
+  for (const char* word : {"chessboard:9x6:25mm", "chessboard:9x6:24.23mm", "charuco:8x8:25.4mm:19.05mm:DICT_4X4_1000",
+                           "charuco:8x8:25.4mm:19.05mm:DICT_4X4_1000:legacy:inverted", "aprilgrid:6x6:88mm:0.3",
+                           "aprilgrid:6x6:88mm:0.3:25h9:1bit", "aprilgrid:5x7:40mm:0.25:DICT_6X6_250:1bit:top_down",
+                           "aprilgrid:2x2:88mm:0.3:first_tag=36", "circles:7x7:20mm", "asymmetric_circles:4x11:20mm",
+                           "asymmetric_circles:4x11:20mm:row_step=35mm"}) {
     // Families have different sizes: 25h9 has 35 tags only.
     if (std::string(word).find("6x6:88mm:0.3:25h9") != std::string::npos) continue;
     EXPECT_EQ(word_of(board_from_word(word)), word);

@@ -31,16 +31,21 @@ struct Charuco {
   bool inverted = false;   ///< white on black
 };
 
-/// Grid of AprilTags as Kalibr's: tags row by row from the bottom-left, x right, y up, origin at the outer corner of
-/// tag 0; point id = 4 * tag + corner, corners anticlockwise from the tag's bottom-left. Codes start at first_tag.
+/// Grid of AprilTags as Kalibr's: tags row by row from the bottom-left, or as OpenCV's GridBoard from the top-left;
+/// x right, y up, origin at the outer corner of the bottom-left tag; point id = 4 * tag + corner, corners anticlockwise
+/// from the tag's bottom-left. Codes start at first_tag.
 struct AprilGrid {
   int columns = 0;
   int rows = 0;
   double tag_m = 0.0;            ///< outer edge of the black border
   double spacing = 0.0;          ///< gap between tags over tag_m
-  std::string family = "36h11";  ///< 36h11, 25h9, 16h5
+  std::string family = "36h11";  ///< 36h11, 25h9, 16h5, or a dictionary of OpenCV's, DICT_4X4_50, ...
   int border_bits = 2;           ///< Kalibr: 2; AprilTag itself: 1
-  int first_tag = 0;             ///< code of the bottom-left tag, so that several boards can be told apart
+  int first_tag = 0;             ///< the lowest code, so that several boards can be told apart
+  bool top_down = false;         ///< codes count from the top-left tag, row by row down
+
+  int column(int tag) const { return tag % columns; }
+  int row_from_bottom(int tag) const { return top_down ? rows - 1 - tag / columns : tag / columns; }
 };
 
 /// Grid of circles; id = row * columns + column.
