@@ -84,27 +84,23 @@ void warn_of_folds(const CalibrationProblem& problem, const BundleState& state, 
   }
 }
 
-// What the cameras tell together may bend a lens so that it ends among its corners.
+// What the cameras tell together, or a board that may bend, may move a lens so that it ends among its corners. Simpler
+// ones are tried with the ties and the boards as they are.
 void keep_lenses_beyond_corners(CalibrationProblem& problem, const CalibrateOptions& options,
                                 const std::vector<double>& sigmas_alone, JointSolve& solve) {
   SolvedState& solved = solve.solved;
   std::vector<std::string> reasons;  // of the trials
-  const auto solve_again = [&](const CalibrationProblem& simpler, BundleState& of_simpler) -> BundleSummary {
-    try {
-      SolvedState start{std::move(of_simpler), reasons, {}};
-      JointSolve again = solve_jointly(simpler, options, sigmas_alone, std::move(start));
-      of_simpler = std::move(again.solved.state);
-      reasons = std::move(again.solved.reasons);
-      return again.solved.summary;
-    } catch (const Error& refusal) {  // of lenses with which the cameras make no rig
-      return {.termination = Termination::kFailed, .message = refusal.what()};
-    }
+  const auto solve_again = [&](const CalibrationProblem& simpler, BundleState& state) {
+    BundleOptions bundle = bundle_options(options);
+    bundle.estimate_shape = solve.shape_estimated;
+    const BundleSummary of_same_corners = solve_bundle(simpler, state, bundle);
+    return solve_without_outliers(simpler, state, options, solve.shape_estimated, reasons, of_same_corners);
   };
   for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
     reasons = solved.reasons;
     if (!give_up_coefficients(problem, solved.state, c, solved.summary, solve_again)) continue;
     solved.reasons = reasons;
-    solve = solve_jointly(problem, options, sigmas_alone, solved);
+    if (problem.cameras.size() > 1) solve = solve_jointly(problem, options, sigmas_alone, solved);
   }
 }
 

@@ -70,32 +70,6 @@ struct Simpler {
   }
 };
 
-// Fits the lens anew with ever more of the coefficients at zero, from the state's poses; whether one of the fits
-// reaches beyond the corners.
-bool give_up_until_beyond(const BundleState& state, int camera, const std::vector<int>& coefficients,
-                          const SolveFunction& solve, Simpler& simpler) {
-  const CameraCorners corners = right_corners(simpler.problem, state, camera);
-  const Camera& lens = state.cameras[camera];
-  const std::vector<std::string_view> names = parameter_names(lens.model);
-  std::vector<int> zeros;  // with those that were given up before
-  for (int k = kFirstShapeParameter; k < static_cast<int>(names.size()); ++k) {
-    if (lens.parameters[k] == 0.0 && std::ranges::find(coefficients, k) == coefficients.end()) zeros.push_back(k);
-  }
-  for (std::size_t count = 0; count <= coefficients.size(); ++count) {
-    if (count > 0) {
-      zeros.push_back(coefficients[count - 1]);
-      const std::string name = simpler.problem.cameras[camera].name + "." + std::string(names[zeros.back()]);
-      simpler.problem.rules.push_back({name, ParameterRule::Kind::kFixed, 0.0, 0.0});
-    }
-    simpler.state = state;
-    simpler.state.cameras[camera] = fitted_anew(lens, corners.rays, corners.pixels, zeros);
-    mark_projectable(simpler.problem, simpler.state);
-    simpler.summary = solve(simpler.problem, simpler.state);
-    if (simpler.reaches_beyond_corners(camera)) return true;
-  }
-  return false;
-}
-
 // Root mean square of a camera's corners in use [sigmas].
 double rms_sigmas(const CalibrationProblem& problem, const BundleState& state, int camera) {
   double squares = 0.0, corners = 0.0;
@@ -122,6 +96,33 @@ bool plainly_worse(const CalibrationProblem& problem, const BundleState& state, 
   return !(noise(simpler.problem, simpler.state) <= kPlainlyWorse * before);
 }
 
+// Fits the lens anew with ever more of the coefficients at zero, from the state's poses; whether one of the fits
+// reaches beyond the corners and is not plainly worse.
+bool give_up_until_beyond(const CalibrationProblem& problem, const BundleState& state, int camera,
+                          const std::vector<int>& coefficients, const SolveFunction& solve, Simpler& simpler) {
+  simpler.problem = problem;
+  const CameraCorners corners = right_corners(simpler.problem, state, camera);
+  const Camera& lens = state.cameras[camera];
+  const std::vector<std::string_view> names = parameter_names(lens.model);
+  std::vector<int> zeros;  // with those that were given up before
+  for (int k = kFirstShapeParameter; k < static_cast<int>(names.size()); ++k) {
+    if (lens.parameters[k] == 0.0 && std::ranges::find(coefficients, k) == coefficients.end()) zeros.push_back(k);
+  }
+  for (std::size_t count = 0; count <= coefficients.size(); ++count) {
+    if (count > 0) {
+      zeros.push_back(coefficients[count - 1]);
+      const std::string name = simpler.problem.cameras[camera].name + "." + std::string(names[zeros.back()]);
+      simpler.problem.rules.push_back({name, ParameterRule::Kind::kFixed, 0.0, 0.0});
+    }
+    simpler.state = state;
+    simpler.state.cameras[camera] = fitted_anew(lens, corners.rays, corners.pixels, zeros);
+    mark_projectable(simpler.problem, simpler.state);
+    simpler.summary = solve(simpler.problem, simpler.state);
+    if (simpler.reaches_beyond_corners(camera) && !plainly_worse(problem, state, camera, simpler)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 bool can_have_pole(ModelId model) {
@@ -145,9 +146,8 @@ bool give_up_coefficients(CalibrationProblem& problem, BundleState& state, int c
                           const SolveFunction& solve) {
   const std::vector<int> coefficients = free_coefficients(problem, camera);
   if (coefficients.empty() || !ends_among_corners(problem, state, camera)) return false;
-  Simpler simpler{problem, {}, {}};
-  if (!give_up_until_beyond(state, camera, coefficients, solve, simpler)) return false;
-  if (plainly_worse(problem, state, camera, simpler)) return false;
+  Simpler simpler;
+  if (!give_up_until_beyond(problem, state, camera, coefficients, solve, simpler)) return false;
   for (Simpler fuller = simpler; fuller.problem.rules.size() > problem.rules.size(); simpler = fuller) {
     fuller.problem.rules.pop_back();
     fuller.summary = solve(fuller.problem, fuller.state);

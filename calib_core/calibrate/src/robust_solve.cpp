@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "raybundle/bundle/parameters.hpp"
 #include "raybundle/calibrate/lens_domain.hpp"
@@ -78,26 +79,57 @@ std::optional<Rigid3> pose_again(const CalibrationProblem& problem, const Target
   return initialize_view(problem, view, camera, reason, kUsual_px);
 }
 
-// Marks one view's corners by their distances; sets the view aside when most of them are outliers.
+// Whether the board's points that a view's corners in use show lie on one line, about which the board may turn freely.
+bool on_one_line(const CalibrationProblem& problem, const TargetView& view, const std::vector<ObservationFate>& fates) {
+  const Target& target = problem.targets[view.target];
+  std::optional<Eigen::Vector3d> first, along;
+  for (std::size_t i = 0; i < fates.size(); ++i) {
+    if (fates[i] != ObservationFate::kUsed) continue;
+    const Eigen::Vector3d& x_in_target = target.find(view.observations[i].point_id)->x_in_target;
+    if (!first) {
+      first = x_in_target;
+      continue;
+    }
+    const Eigen::Vector3d offset = x_in_target - *first;
+    if (!along) along = offset;
+    if (along->cross(offset).norm() > 1e-6 * along->norm() * offset.norm()) return false;
+  }
+  return true;
+}
+
+// Why a view whose corners are marked cannot stay; empty when it can.
+//
+// @param alone  no other view shares the pose
+std::string why_aside(const CalibrationProblem& problem, const std::vector<double>& distances,
+                      const std::vector<ObservationFate>& fates, int view, bool alone) {
+  const auto used = static_cast<std::size_t>(std::ranges::count(fates, ObservationFate::kUsed));
+  if (used < kFewestCorners || 2 * used < fates.size()) {
+    std::vector<double> distances_px;
+    for (std::size_t i = 0; i < distances.size(); ++i) {
+      distances_px.push_back(distances[i] * problem.views[view].observations[i].sigma_px);
+    }
+    return fmt::format("only {} of {} corners fit the camera; the median distance is {:.2f} px", used, fates.size(),
+                       median(distances_px));
+  }
+  if (!alone || !on_one_line(problem, problem.views[view], fates)) return {};
+  return fmt::format("the {} of {} corners that fit the camera lie on one line", used, fates.size());
+}
+
+// Marks one view's corners by their distances; sets the view aside when most of them are outliers, or those that are
+// not leave its board's pose open.
 void mark_view(const CalibrationProblem& problem, const std::vector<double>& distances, BundleState& state, int view,
-               double limit, std::string& reason) {
+               double limit, bool alone, std::string& reason) {
   std::vector<ObservationFate>& fates = state.fates[view];
-  std::size_t used = 0;
   for (std::size_t i = 0; i < distances.size(); ++i) {
     const double sigma = problem.views[view].observations[i].sigma_px;
     const bool fits =
         std::isfinite(distances[i]) && (distances[i] <= limit || distances[i] * sigma <= kSmallestDistance_px);
     fates[i] = fits ? ObservationFate::kUsed
                     : (std::isinf(distances[i]) ? ObservationFate::kUnprojectable : ObservationFate::kOutlier);
-    used += fits;
   }
-  if (used >= kFewestCorners && 2 * used >= distances.size()) return;
-  std::vector<double> distances_px;
-  for (std::size_t i = 0; i < distances.size(); ++i) {
-    distances_px.push_back(distances[i] * problem.views[view].observations[i].sigma_px);
-  }
-  reason = fmt::format("only {} of {} corners fit the camera; the median distance is {:.2f} px", used, distances.size(),
-                       median(distances_px));
+  std::string why = why_aside(problem, distances, fates, view, alone);
+  if (why.empty()) return;
+  reason = std::move(why);
   state.pose_of_view[view] = -1;
   std::ranges::fill(fates, ObservationFate::kViewSetAside);
 }
@@ -120,12 +152,18 @@ double fitted_sigma(std::vector<double> distances, double unknowns) {
   return std::max(sigma, std::sqrt(sum / std::max(degrees_of_freedom(right), 1.0)));
 }
 
+// How many views share each pose.
+std::vector<int> views_of_poses(const BundleState& state) {
+  std::vector<int> views(state.poses.size(), 0);
+  for (const int pose : state.pose_of_view) {
+    if (pose >= 0) ++views[pose];
+  }
+  return views;
+}
+
 // Standard deviation of the noise of each camera's corners.
 std::vector<double> sigmas_of(const CalibrationProblem& problem, const BundleState& state, const Distances& distances) {
-  std::vector<int> views_of_pose(state.poses.size(), 0);
-  for (const int pose : state.pose_of_view) {
-    if (pose >= 0) ++views_of_pose[pose];
-  }
+  const std::vector<int> views_of_pose = views_of_poses(state);
   std::vector<std::vector<double>> of_cameras(problem.cameras.size());
   std::vector<double> unknowns(problem.cameras.size(), 0.0);
   for (std::size_t v = 0; v < problem.views.size(); ++v) {
@@ -195,8 +233,8 @@ std::string outlier_rule(const CalibrateOptions& options) {
   return fmt::format(
       "corners farther from their projection than {:g} robust sigmas of their camera (median distance / 1.1774, in "
       "units of each corner's own sigma, times the root of values per degree of freedom) are left out; a view with "
-      "more than half of its corners left out, or fewer "
-      "than {} in use, is set aside",
+      "more than half of its corners left out, fewer than {} in use, or all of these on one line of the board, is set "
+      "aside",
       options.outlier_sigma, kFewestCorners);
 }
 
@@ -205,10 +243,12 @@ bool mark_outliers(const CalibrationProblem& problem, BundleState& state, const 
   const Distances distances = whitened_distances(problem, state);
   const std::vector<double> sigmas = sigmas_of(problem, state, distances);
   const std::vector<std::vector<ObservationFate>> before = state.fates;
+  const std::vector<int> views_of_pose = views_of_poses(state);
   for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
     if (state.pose_of_view[v] < 0) continue;
     const double limit = options.outlier_sigma * sigmas[problem.views[v].camera];
-    mark_view(problem, distances[v], state, v, limit, reasons[v]);
+    const bool alone = views_of_pose[state.pose_of_view[v]] == 1;
+    mark_view(problem, distances[v], state, v, limit, alone, reasons[v]);
   }
   return state.fates != before;
 }

@@ -69,9 +69,16 @@ INSTANTIATE_TEST_SUITE_P(Rigs, HardStart,
                                            HardRig{"StartsAreWeighedByTheirOwnPriors", "rational", 97534},
                                            HardRig{"AGrownLensLiesElsewhereInTheValley", "thin_prism", 48025},
                                            HardRig{"TheTrueLensMayBeTheOneElsewhere", "pinhole", 90766},
-                                           HardRig{"AnOpenOptimumIsRefused", "unified", 48099},
+                                           HardRig{"ABoardTurnsAboutALineOfItsCorners", "rational", 98188},
+                                           HardRig{"ABentBoardMayMoveThePoleAmongCorners", "thin_prism", 98010},
                                            HardRig{"ParallelBoardsFitOtherFocalLengths", "kannala_brandt", 16005}),
                          [](const auto& rig) { return std::string(rig.param.name); });
+
+TEST(OpenStart, AnOpenOptimumIsRefused) {
+  const RandomRig rig = random_rig(*model_named("unified"), 48099);
+  const Judgement judgement = judge_start(rig, start_from_truth(rig));
+  EXPECT_EQ(judgement.verdict, Verdict::kRefusedRightly) << judgement.why << "; " << rig.story;
+}
 
 }  // namespace
 }  // namespace raybundle::testing
