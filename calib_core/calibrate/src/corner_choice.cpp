@@ -58,13 +58,12 @@ std::optional<SolvedState> first_look(const CalibrationProblem& single, BundleSt
   return solved;
 }
 
-// Lets the outlier rule decide, and goes on from there if more corners are in use and the lens is not spoilt.
-bool take_if_more(const CalibrationProblem& single, SolvedState other, const CalibrateOptions& options,
-                  SolvedState& solved) {
+// Lets the outlier rule decide, and goes on from there if all corners fit better: one more in use may be a wrong one
+// that bends the lens until the outlier rule bears it.
+bool take_if_better(const CalibrationProblem& single, SolvedState other, const CalibrateOptions& options,
+                    SolvedState& solved) {
   other.summary = solve_without_outliers(single, other.state, options, false, other.reasons);
-  if (other.summary.termination == Termination::kFailed) return false;
-  if (count_used(other.state) <= count_used(solved.state)) return false;
-  if (spoils_lens(single, solved.state, other.state)) return false;
+  if (other.state.fates == solved.state.fates || !is_better(single, other, solved, options)) return false;
   solved = std::move(other);
   return true;
 }
@@ -73,7 +72,7 @@ bool take_if_more(const CalibrationProblem& single, SolvedState other, const Cal
 bool readmit_views(const CalibrationProblem& single, const CalibrateOptions& options, SolvedState& solved) {
   SolvedState other = solved;
   if (!give_second_chance(single, other.state, options, other.reasons)) return false;
-  return take_if_more(single, std::move(other), options, solved);
+  return take_if_better(single, std::move(other), options, solved);
 }
 
 // Takes in all doubtful corners.
@@ -89,7 +88,7 @@ bool readmit_corners(const CalibrationProblem& single, const CalibrateOptions& o
   }
   if (!any) return false;
   std::optional<SolvedState> seen = first_look(single, std::move(other), options, solved);
-  return seen && take_if_more(single, *std::move(seen), options, solved);
+  return seen && take_if_better(single, *std::move(seen), options, solved);
 }
 
 // The corners that may be taken in for another one of their view, the nearest first.

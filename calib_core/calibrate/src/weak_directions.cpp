@@ -14,7 +14,7 @@
 namespace raybundle {
 namespace {
 
-constexpr int kDirections = 3;                       // principal axes of the correlations
+constexpr std::ptrdiff_t kFewestDirections = 3;      // principal axes of the correlations
 constexpr std::array kSigmas{2.0, 5.0, 12.0, 30.0};  // along each of them, to either side
 constexpr std::array kTimesFocal{0.87, 1.15};        // a step to shorter and to longer ones
 constexpr int kStepsOfFocal = 5;                     // to half and twice the focal length
@@ -35,7 +35,8 @@ std::vector<Step> weakest_steps(const Eigen::MatrixXd& covariance) {
   const Eigen::MatrixXd correlations = inverse.asDiagonal() * covariance(estimated, estimated) * inverse.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(correlations);
   std::vector<Step> steps;
-  const auto count = std::min<std::ptrdiff_t>(kDirections, std::ssize(estimated));
+  const std::ptrdiff_t together = (axes.eigenvalues().array() > 1.0).count();  // each varies more than one parameter
+  const auto count = std::min(std::max(kFewestDirections, together), std::ssize(estimated));
   for (Eigen::Index axis = std::ssize(estimated) - 1; std::ssize(steps) < count; --axis) {
     Step& step = steps.emplace_back(Step::Zero(covariance.rows()));
     step(estimated) =

@@ -80,6 +80,16 @@ ViewPose judged(const LensFunctions& lens, const double* parameters, const Point
   return result;
 }
 
+/// Whether of a view the corners that fit lie on one line of the board, about which it may turn freely.
+bool fit_on_one_line(const PointsInView& view, const ViewPose& pose, double threshold_px) {
+  if (pose.fitting == static_cast<int>(view.points.size())) return false;  // and all do not
+  std::vector<Eigen::Vector3d> fitting;
+  for (std::size_t i = 0; i < view.points.size(); ++i) {
+    if (pose.distances_px[i] < threshold_px) fitting.push_back(view.points[i]);
+  }
+  return principal_frame(fitting).collinear();
+}
+
 /// Linear pose of the corners, refined with little weight for those that are far off, and the better one of the two
 /// candidates that a flat board has.
 std::optional<Rigid3> plain_pose(const LensFunctions& lens, const double* parameters, const PointsInView& view,
@@ -153,7 +163,8 @@ std::optional<ViewPose> view_pose(const LensFunctions& lens, const double* param
   if (const auto quick = plain_pose(lens, parameters, thinned(some, kPlainCorners), threshold_px)) {
     ViewPose pose = judged(lens, parameters, some, *quick, threshold_px);
     const bool plainly_right = pose.median_px < 0.3 * threshold_px &&
-                               static_cast<double>(pose.fitting) >= 0.75 * static_cast<double>(some.points.size());
+                               static_cast<double>(pose.fitting) >= 0.75 * static_cast<double>(some.points.size()) &&
+                               !fit_on_one_line(some, pose, threshold_px);
     if (plainly_right) return pose;
   }
   return ransac_view_pose(lens, parameters, view, threshold_px);
