@@ -39,6 +39,7 @@ CameraCorners corners_of(const CalibrationProblem& problem, const BundleState& s
 }
 
 bool is_used(ObservationFate fate) { return fate == ObservationFate::kUsed; }
+bool may_be_right(ObservationFate fate) { return fate != ObservationFate::kOutlier; }
 
 }  // namespace
 
@@ -47,12 +48,12 @@ CameraCorners used_corners(const CalibrationProblem& problem, const BundleState&
 }
 
 CameraCorners right_corners(const CalibrationProblem& problem, const BundleState& state, int camera) {
-  return corners_of(problem, state, camera, [](ObservationFate fate) { return fate != ObservationFate::kOutlier; });
+  return corners_of(problem, state, camera, may_be_right);
 }
 
 double farthest_corner_rad(const CalibrationProblem& problem, const BundleState& state, int camera) {
   double cosine = 1.0;
-  for_each_corner(problem, state, camera, is_used, [&](const Eigen::Vector3d& x, const Eigen::Vector2d&) {
+  for_each_corner(problem, state, camera, may_be_right, [&](const Eigen::Vector3d& x, const Eigen::Vector2d&) {
     cosine = std::min(cosine, x.z() / x.norm());
   });
   return std::acos(cosine);

@@ -22,7 +22,7 @@ CameraCorners used_corners(const CalibrationProblem& problem, const BundleState&
 /// Those that are not known to be wrong: in use, or not projected by the lens as it is.
 CameraCorners right_corners(const CalibrationProblem& problem, const BundleState& state, int camera);
 
-/// Angle off the axis of the farthest corner in use; 0 when there is none.
+/// Angle off the axis of the farthest of the corners that are not known to be wrong; 0 when there is none.
 double farthest_corner_rad(const CalibrationProblem& problem, const BundleState& state, int camera);
 
 }  // namespace raybundle

@@ -73,6 +73,7 @@ INSTANTIATE_TEST_SUITE_P(Rigs, HardStart,
                                            HardRig{"ABentBoardMayMoveThePoleAmongCorners", "thin_prism", 98010},
                                            HardRig{"SixCornersOnALineDoNotPoseAView", "pinhole", 100267},
                                            HardRig{"AWrongCornerMoreIsNotBetter", "rational", 100003},
+                                           HardRig{"ALensThatDoesNotReachACornerEndsBeforeIt", "thin_prism", 97178},
                                            HardRig{"MoreThanThreeDirectionsMayBeWeak", "thin_prism", 98445},
                                            HardRig{"ParallelBoardsFitOtherFocalLengths", "kannala_brandt", 16005}),
                          [](const auto& rig) { return std::string(rig.param.name); });

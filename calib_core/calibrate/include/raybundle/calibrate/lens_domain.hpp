@@ -13,8 +13,9 @@ namespace raybundle {
 /// corners tell together, and rightly.
 bool can_have_pole(ModelId model);
 
-/// Whether a camera's lens of a rational model ends among its corners in use or hardly beyond them: its radial profile
-/// has a pole within 1.22 times their radius in the plane, or turns back within 1.02 times their angle. Such a lens can
+/// Whether a camera's lens of a rational model ends among its corners (in use, or not projected by it) or hardly beyond
+/// them: its radial profile has a pole within 1.22 times their radius in the plane, or turns back within 1.02 times
+/// their angle. Such a lens can
 /// fit the corners better than any real one, with a spike between two of them. Models without a denominator have no
 /// spikes, and false is returned.
 bool ends_among_corners(const CalibrationProblem& problem, const BundleState& state, int camera);
