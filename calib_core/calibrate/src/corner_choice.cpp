@@ -58,12 +58,15 @@ std::optional<SolvedState> first_look(const CalibrationProblem& single, BundleSt
   return solved;
 }
 
-// Lets the outlier rule decide, and goes on from there if all corners fit better: one more in use may be a wrong one
-// that bends the lens until the outlier rule bears it.
+// Lets the outlier rule decide, and goes on from there if all corners fit better under the noise by which it does: one
+// more in use may be a wrong one that bends the lens until the rule bears it.
 bool take_if_better(const CalibrationProblem& single, SolvedState other, const CalibrateOptions& options,
                     SolvedState& solved) {
   other.summary = solve_without_outliers(single, other.state, options, false, other.reasons);
-  if (other.state.fates == solved.state.fates || !is_better(single, other, solved, options)) return false;
+  if (other.summary.termination == Termination::kFailed || other.state.fates == solved.state.fates) return false;
+  if (spoils_lens(single, solved.state, other.state)) return false;
+  const double limit_sigmas = options.outlier_sigma * robust_sigmas(single, other.state)[0];
+  if (!(all_squares(single, other.state, limit_sigmas) < all_squares(single, solved.state, limit_sigmas))) return false;
   solved = std::move(other);
   return true;
 }

@@ -180,6 +180,15 @@ std::vector<double> sigmas_of(const CalibrationProblem& problem, const BundleSta
   return sigmas;
 }
 
+// Sum of the squared distances, each cut off at the limit of outliers.
+double squares_cut_off(const Distances& distances, double limit_sigmas) {
+  double sum = 0.0;
+  for (const std::vector<double>& of_view : distances) {
+    for (const double distance : of_view) sum += std::pow(std::min(distance, limit_sigmas), 2);
+  }
+  return sum;
+}
+
 // Median of what the corners state.
 double usual_sigma_px(const CalibrationProblem& problem) {
   std::vector<double> sigmas;
@@ -219,14 +228,14 @@ bool is_better(const CalibrationProblem& single, const SolvedState& after, const
   if (spoils_lens(single, before.state, after.state)) return false;
   const Distances here = whitened_distances(single, after.state), there = whitened_distances(single, before.state);
   const double sigma = std::min(sigmas_of(single, after.state, here)[0], sigmas_of(single, before.state, there)[0]);
-  const auto cost = [&, limit = options.outlier_sigma * sigma](double sum, const Distances& distances) {
-    for (const std::vector<double>& of_view : distances) {
-      for (const double distance : of_view) sum += std::pow(std::min(distance, limit), 2);
-    }
-    return sum;
-  };
+  const double limit = options.outlier_sigma * sigma;
   if (!priors_before) priors_before = prior_squares(single, before.state);
-  return cost(prior_squares(single, after.state), here) < cost(*priors_before, there);
+  return squares_cut_off(here, limit) + prior_squares(single, after.state) <
+         squares_cut_off(there, limit) + *priors_before;
+}
+
+double all_squares(const CalibrationProblem& problem, const BundleState& state, double limit_sigmas) {
+  return squares_cut_off(whitened_distances(problem, state), limit_sigmas) + prior_squares(problem, state);
 }
 
 std::string outlier_rule(const CalibrateOptions& options) {

@@ -32,6 +32,9 @@ struct SolvedState {
 /// Sum of the squared residuals of the priors, of the lens and by rules.
 double prior_squares(const CalibrationProblem& problem, const BundleState& state);
 
+/// Sum of the squared distances of all corners [sigmas], each cut off at a limit, and of the priors' residuals.
+double all_squares(const CalibrationProblem& problem, const BundleState& state, double limit_sigmas);
+
 /// Whether a state of a single camera is better than the one before: all its corners fit better, those beyond the limit
 /// of outliers, under the smaller noise of both, counted as if they were there, and the priors with them: they are part
 /// of what a solve makes small. Never one that did not solve or ends among its corners, unless the one before does.
