@@ -181,6 +181,32 @@ void NormalEquations::group_by_pose(std::size_t poses) {
   });
 }
 
+std::vector<PriorResidual> NormalEquations::prior_residuals(const Unknowns& unknowns) const {
+  std::vector<PriorResidual> residuals;
+  for (std::size_t b = 0; b < layout_.blocks.size(); ++b) {
+    const ParameterBlock& block = layout_.blocks[b];
+    residuals.push_back(prior_residual(block, prior_means_[b], values_of(unknowns, block)));
+  }
+  return residuals;
+}
+
+std::optional<double> NormalEquations::cost(const Unknowns& unknowns) {
+  if (!beams_.empty()) {  // dots are cheap beside corners
+    Linearization at;
+    return linearize(unknowns, at) ? std::optional(at.cost) : std::nullopt;
+  }
+  std::vector<std::optional<double>> of_views(views_.size());
+  workers_.for_each(static_cast<int>(views_.size()),
+                    [&](int v) { of_views[v] = view_chi2(views_[v], unknowns.at(views_[v]), view_options_[v]); });
+  double chi2 = 0.0;
+  for (const std::optional<double>& of_view : of_views) {
+    if (!of_view) return std::nullopt;
+    chi2 += *of_view;
+  }
+  for (const PriorResidual& prior : prior_residuals(unknowns)) chi2 += prior.residual.squaredNorm();
+  return 0.5 * chi2;
+}
+
 bool NormalEquations::linearize(const Unknowns& unknowns, Linearization& result) {
   result.views.resize(views_.size());
   std::atomic<bool> projectable = true;
@@ -191,12 +217,8 @@ bool NormalEquations::linearize(const Unknowns& unknowns, Linearization& result)
   });
   double chi2 = 0.0;
   for (const ViewNormal& view : result.views) chi2 += view.chi2;
-  result.priors.clear();
-  for (std::size_t b = 0; b < layout_.blocks.size(); ++b) {
-    const ParameterBlock& block = layout_.blocks[b];
-    result.priors.push_back(prior_residual(block, prior_means_[b], values_of(unknowns, block)));
-    chi2 += result.priors.back().residual.squaredNorm();
-  }
+  result.priors = prior_residuals(unknowns);
+  for (const PriorResidual& prior : result.priors) chi2 += prior.residual.squaredNorm();
   bool dots_projectable = projectable;
   if (!beams_.empty()) chi2 += assemble(unknowns, result, dots_projectable);
   result.cost = 0.5 * chi2;

@@ -53,6 +53,9 @@ class NormalEquations {
   /// board; see refusals().
   bool linearize(const Unknowns& unknowns, Linearization& result);
 
+  /// Half the sum of ρ over everything, as linearize() has it; nothing where that is false.
+  std::optional<double> cost(const Unknowns& unknowns);
+
   /// Nothing when the damped equations are not positive definite.
   ///
   /// @param radius  of the trust region: the diagonal is raised by its 1 / radius
@@ -78,6 +81,7 @@ class NormalEquations {
   struct DotPart;
 
   void group_by_pose(std::size_t poses);
+  std::vector<PriorResidual> prior_residuals(const Unknowns& unknowns) const;
   std::vector<int> columns_of(int camera, int target, bool lens_fixed = false) const;
   std::vector<int> local_columns(const PoseViews& group, int camera, int target, bool lens_fixed = false) const;
   void fill_local_equations(const PoseViews& group, const Unknowns& unknowns, const Linearization& at,

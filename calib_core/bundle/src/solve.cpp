@@ -18,7 +18,9 @@ constexpr double kToldGain = 0.01;        // distance of a gain from one: so nea
 constexpr double kNearOptimum = 1e-3;     // of the cost: what a step gains there
 constexpr double kPlainGrowth = 1e3;      // of the radius where both hold
 constexpr double kLeftToGain = 1e-6;      // of the cost: a solve that rests with more to gain has been blocked
-constexpr double kPlainGain = 1e-6;       // of the cost: so small a step goes where the quadratic model says
+constexpr double kPlainGain = 1e-6;       // of the cost: so small a step goes where the quadratic model says, mostly
+constexpr double kLastGain = 0.5;         // of what it says the last step must gain at least: valleys are curved
+constexpr double kRounding = 1e-12;       // of the cost: what its sum may be off
 constexpr double kSlowFall = 0.1;         // of what steps gain, from one to the next, along the weakest directions
 constexpr double kNoMove_sigma = 1e-3;    // by which no unknown may be off the optimum for want of a further step
 
@@ -121,13 +123,16 @@ BundleSummary minimize(NormalEquations& equations, Unknowns& unknowns, const Bun
     if (step->predicted_decrease <= options.settled * here.cost) {
       return rest("no step lowers the cost any more");
     }
+    Unknowns candidate = equations.moved(unknowns, *step);
     const bool plain = step->predicted_decrease <= kPlainGain * here.cost && region.hardly_damps() && !refused_unseen;
     if (plain && left_behind(*step, promised_before) <= left_at_most * here.cost) {
-      unknowns = equations.moved(unknowns, *step);
-      here.cost -= step->predicted_decrease;
-      return finish(Termination::kConverged, "no step would lower the cost any more");
+      const std::optional<double> cost = equations.cost(candidate);
+      if (cost && here.cost - *cost >= kLastGain * step->predicted_decrease - kRounding * here.cost) {
+        unknowns = std::move(candidate);
+        here.cost = *cost;
+        return finish(Termination::kConverged, "no step would lower the cost any more");
+      }
     }
-    Unknowns candidate = equations.moved(unknowns, *step);
     const bool projectable = equations.linearize(candidate, there);
     const double decrease = here.cost - there.cost;
     const double gain = decrease / step->predicted_decrease;

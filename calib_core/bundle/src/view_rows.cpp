@@ -187,9 +187,11 @@ Eigen::Matrix<double, 6, 6> MotionMap::wrt_camera_from_rig() const {
   return map;
 }
 
-bool fill_rows(const ViewData& view, const ViewPoint& point, const MotionMap& map, const ViewBlockOptions& options,
-               ViewRows& rows) {
-  thread_local Corners corners;
+namespace {
+
+// Leaves residuals and their sums in the rows, and in their other columns what project() does.
+bool fill_residuals(const ViewData& view, const ViewPoint& point, const MotionMap& map, const ViewBlockOptions& options,
+                    Corners& corners, ViewRows& rows) {
   if (!(point.intrinsics[0] > 0.0) || !(point.intrinsics[1] > 0.0)) return false;
   const bool projectable = with_model(view.model, [&]<CameraModel M>() {
     resize(view, options, kShapeSize<M>, corners, rows);
@@ -199,6 +201,22 @@ bool fill_rows(const ViewData& view, const ViewPoint& point, const MotionMap& ma
   subtract(view, point, 0, corners, rows.u);
   subtract(view, point, 1, corners, rows.v);
   weigh(options.robust_scale_sigma, corners, rows);
+  return true;
+}
+
+}  // namespace
+
+std::optional<double> view_chi2(const ViewData& view, const ViewPoint& point, const ViewBlockOptions& options) {
+  thread_local Corners corners;
+  thread_local ViewRows rows;
+  if (!fill_residuals(view, point, MotionMap(point), options, corners, rows)) return std::nullopt;
+  return rows.robust_chi2;
+}
+
+bool fill_rows(const ViewData& view, const ViewPoint& point, const MotionMap& map, const ViewBlockOptions& options,
+               ViewRows& rows) {
+  thread_local Corners corners;
+  if (!fill_residuals(view, point, map, options, corners, rows)) return false;
   differentiate(point.intrinsics[0], corners, rows.model_shape_size, rows.u);
   differentiate(point.intrinsics[1], corners, rows.model_shape_size, rows.v);
   if (rows.with_shape) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 #include "raybundle/bundle/view_block.hpp"
 
@@ -45,6 +46,9 @@ struct MotionMap {
   /// The same by the motion of camera_from_rig: turns by w, but about the rig's origin, and shifts by t.
   Eigen::Matrix<double, 6, 6> wrt_camera_from_rig() const;
 };
+
+/// Sum of ρ(s) over a view's corners; nothing where linearize_view is false.
+std::optional<double> view_chi2(const ViewData& view, const ViewPoint& point, const ViewBlockOptions& options);
 
 /// False where linearize_view is.
 bool fill_rows(const ViewData& view, const ViewPoint& point, const MotionMap& map, const ViewBlockOptions& options,

@@ -75,6 +75,8 @@ INSTANTIATE_TEST_SUITE_P(Rigs, HardStart,
                                            HardRig{"AWrongCornerMoreIsNotBetter", "rational", 100003},
                                            HardRig{"ALensThatDoesNotReachACornerEndsBeforeIt", "thin_prism", 97178},
                                            HardRig{"MoreThanThreeDirectionsMayBeWeak", "thin_prism", 98445},
+                                           HardRig{"AValleyMayBendUnderTheLastStep", "extended_unified", 110062},
+                                           HardRig{"ARightCornerMoreIsBetter", "extended_unified", 110208},
                                            HardRig{"ParallelBoardsFitOtherFocalLengths", "kannala_brandt", 16005}),
                          [](const auto& rig) { return std::string(rig.param.name); });
 
