@@ -15,6 +15,7 @@
 #include <map>
 #include <set>
 #include <utility>
+#include <variant>
 
 #include "calibration_summary.hpp"
 #include "given_values.hpp"
@@ -31,6 +32,7 @@
 #include "raybundle/io/report_file.hpp"
 #include "report_page.hpp"
 #include "survey_text.hpp"
+#include "tag_size.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 
@@ -221,6 +223,18 @@ std::string write_all(const CalibrateJob& job, const CalibrationProblem& problem
   return report;
 }
 
+// Of the boards that the data set describes: a file of corners knows points only.
+void warn_of_tag_sizes(const Dataset& dataset, const CalibrationProblem& problem, CalibrationResult& result) {
+  for (const DatasetBoard& board : dataset.boards) {
+    const auto* grid = std::get_if<AprilGrid>(&board.board);
+    const auto target = std::ranges::find(problem.targets, board.name, &Target::name);
+    if (grid == nullptr || target == problem.targets.end()) continue;
+    const int index = static_cast<int>(target - problem.targets.begin());
+    std::string warning = tag_size_warning(*grid, index, problem, result);
+    if (!warning.empty()) result.warnings.push_back(std::move(warning));
+  }
+}
+
 std::vector<std::string> camera_names(const auto& cameras) {
   std::vector<std::string> names;
   for (const auto& camera : cameras) names.push_back(camera.name);
@@ -271,6 +285,7 @@ void run_calibration(const CalibrateJob& job) {
   }
   result.stages = stages_of(images.seconds, first, result, now() - refine_begin, refined);
 
+  warn_of_tag_sizes(dataset, problem, result);
   const double check_begin = now();
   const CheckFindings checked = run_extra_checks(job.checks, problem, result, options);
   std::ranges::copy(checked.warnings, std::back_inserter(result.warnings));

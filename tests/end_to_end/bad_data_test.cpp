@@ -316,6 +316,34 @@ TEST_F(BadData, ABoardInTheWrongUnitIsNamed) {
   EXPECT_THAT(told(problem, "chessboard:9x7:0.04mm"), HasSubstr("lie 4e-05 m apart: is the unit right"));
 }
 
+// A lattice whose points are the corners of 4x4 tags, as far apart as they are wide.
+CalibrationProblem lattice_of_tags() {
+  SyntheticOptions options;
+  options.columns = options.rows = 8;
+  options.frames = 14;
+  options.noise_px = 0.1;
+  CalibrationProblem problem = synthetic_world(options).problem;
+  constexpr int kCornerAt[2][2] = {{0, 1}, {3, 2}};  // anticlockwise
+  for (TargetView& view : problem.views) {
+    for (Observation& seen : view.observations) {
+      const int row = seen.point_id / 8, column = seen.point_id % 8;
+      seen.point_id = 4 * (row / 2 * 4 + column / 2) + kCornerAt[row % 2][column % 2];
+    }
+  }
+  return problem;
+}
+
+TEST_F(BadData, TagsOfAnotherSizeAreNamedWithTheOneThatFits) {
+  const CalibrationProblem problem = lattice_of_tags();
+  EXPECT_THAT(told(problem, "aprilgrid:4x4:40mm:1"), Not(HasSubstr("than stated")));
+  const std::string larger = told(problem, "aprilgrid:4x4:42mm:0.904762");  // at the same 80 mm from tag to tag
+  EXPECT_THAT(larger, HasSubstr("% smaller than stated"));
+  EXPECT_THAT(larger, HasSubstr("with a spacing of about 0.99"));  // to first order
+  const std::string smaller = told(problem, "aprilgrid:4x4:39.6mm:1.020202");
+  EXPECT_THAT(smaller, HasSubstr("1.0 % larger than stated"));
+  EXPECT_THAT(smaller, HasSubstr("with a spacing of about 1.00"));
+}
+
 // Frames that repeat the first one leave too few views, and the sentence counts what the table holds: no images.
 TEST_F(BadData, OneViewAgainAndAgain) {
   CalibrationProblem problem = world(5).problem;

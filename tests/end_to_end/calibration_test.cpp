@@ -55,10 +55,15 @@ TEST(Calibrates, EurocFromOthersCorners) {
     csv += csv_of_kalibr_corners(real_data("euroc_april") / "cam_april" / camera, camera);
   }
   write_text(place / "corners.csv", csv);
-  const nlohmann::json report = calibrate(
-      place, {"--observations", (place / "corners.csv").string(), "--image-size", "cam0=752x480", "--image-size",
-              "cam1=752x480", "--target", "aprilgrid:6x6:88mm:0.3", "--model", "brown_conrady"});
+  const auto with_board = [&](const std::string& board) {
+    return calibrate(place, {"--observations", (place / "corners.csv").string(), "--image-size", "cam0=752x480",
+                             "--image-size", "cam1=752x480", "--target", board, "--model", "brown_conrady"});
+  };
+  EXPECT_THAT(with_board("aprilgrid:6x6:88mm:0.28").at("warnings").dump(),
+              ::testing::HasSubstr("a spacing of about 0.299 instead"));
+  const nlohmann::json report = with_board("aprilgrid:6x6:88mm:0.3");
   ASSERT_TRUE(report.contains("cameras"));
+  EXPECT_THAT(report.at("warnings").dump(), ::testing::Not(::testing::HasSubstr("a spacing of about")));
   EXPECT_LE(rms_px(report, "cam0"), 0.30);
   EXPECT_LE(rms_px(report, "cam1"), 0.30);
   // The rig's own calibration says 110.1 mm. These frames span 1.5 s and hardly differ: thirds of them give 110.1 to
