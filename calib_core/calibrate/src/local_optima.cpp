@@ -12,6 +12,7 @@
 #include "grown_lens.hpp"
 #include "lens_certainty.hpp"
 #include "lower_optima.hpp"
+#include "mirrored_boards.hpp"
 #include "raybundle/calibrate/lens_domain.hpp"
 #include "raybundle/geometry/threads.hpp"
 #include "raybundle/initialize/other_optima.hpp"
@@ -25,96 +26,16 @@ constexpr int kRounds = 6;              // from a lower optimum to the next
 constexpr double kAlikeSigmas = 3.0;    // two optima of the same corners differ by no more in where they project
 constexpr double kLeastAlike_px = 0.5;
 constexpr double kMostAlike_px = 20.0;
-constexpr double kWonBack = 1000.0;        // squared sigmas that a turned board may cost at first: it has bent the lens
-constexpr std::size_t kMostTried = 8;      // boards that are turned one by one
-constexpr std::size_t kMostViews = 100;    // of which one could move the camera
 constexpr std::size_t kOfEachSide = 8;     // cameras along the valley
 constexpr double kLooseShare = 3e-4;       // of the image's longer side: a projection known no better is loose
 constexpr std::size_t kMostLoose = 10000;  // corners: so many leave a lens loose by how the boards are held
-constexpr double kMirroredGain = 1e-6;     // relative: by which a mirrored board's squares must be smaller
-
-/// A board's other pose, and by how much the cost grows there while the camera stays.
-struct Mirrored {
-  std::size_t view = 0;
-  Rigid3 camera_from_target;
-  double growth = 0.0;  // relative, of the view's squares
-};
-
-std::optional<MirroredPose> mirrored_pose_of(const CalibrationProblem& single, const BundleState& state,
-                                             std::size_t v) {
-  const int pose = state.pose_of_view[v];
-  if (pose < 0) return std::nullopt;
-  const TargetView& view = single.views[v];
-  std::vector<Eigen::Vector3d> points;  // in the target
-  std::vector<Eigen::Vector2d> pixels;
-  for (std::size_t i = 0; i < view.observations.size(); ++i) {
-    if (state.fates[v][i] != ObservationFate::kUsed) continue;
-    points.push_back(single.targets[view.target].find(view.observations[i].point_id)->x_in_target);
-    pixels.push_back(view.observations[i].pixel);
-  }
-  return find_mirrored_pose(state.cameras[0], points, pixels, state.poses[pose].rig_from_target);
-}
-
-std::vector<Mirrored> mirrored_of(const CalibrationProblem& single, const BundleState& state, int threads) {
-  std::vector<std::optional<MirroredPose>> of_view(single.views.size());
-  for_each_index(of_view.size(), threads, [&](std::size_t v) { of_view[v] = mirrored_pose_of(single, state, v); });
-  std::vector<Mirrored> found;
-  for (std::size_t v = 0; v < of_view.size(); ++v) {
-    if (of_view[v]) found.push_back({v, of_view[v]->camera_from_target, of_view[v]->squares_ratio - 1.0});
-  }
-  return found;
-}
 
 // Aligned with the views.
-std::vector<std::optional<Rigid3>> of_views(const CalibrationProblem& single, const std::vector<Mirrored>& mirrored) {
+std::vector<std::optional<Rigid3>> of_views(const CalibrationProblem& single,
+                                            const std::vector<MirroredBoard>& mirrored) {
   std::vector<std::optional<Rigid3>> camera_from_target(single.views.size());
-  for (const Mirrored& board : mirrored) camera_from_target[board.view] = board.camera_from_target;
+  for (const MirroredBoard& board : mirrored) camera_from_target[board.view] = board.camera_from_target;
   return camera_from_target;
-}
-
-bool turn_mirrored_boards(BundleState& state, const std::vector<Mirrored>& mirrored) {
-  bool turned = false;
-  for (const Mirrored& board : mirrored) {
-    if (!(board.growth < -kMirroredGain)) continue;
-    state.poses[state.pose_of_view[board.view]].rig_from_target = board.camera_from_target;
-    turned = true;
-  }
-  return turned;
-}
-
-// A board that fits its mirrored pose nearly as well may fit it better once the camera has moved too. Tries those by
-// which the cost grows by less than the camera could win back. Of many views no single one moves the camera.
-bool try_mirrored_boards(const CalibrationProblem& single, std::vector<Mirrored> mirrored,
-                         const CalibrateOptions& options, SolvedState& solved) {
-  auto& [state, reasons, summary] = solved;
-  if (single.views.size() > kMostViews) return false;
-  const double variance = std::pow(robust_sigmas(single, state)[0], 2);
-  for (Mirrored& board : mirrored) {
-    double squares = 0.0;
-    const std::vector<Eigen::Vector2d> residuals = view_residuals(single, state, static_cast<int>(board.view));
-    for (std::size_t i = 0; i < residuals.size(); ++i) {
-      if (state.fates[board.view][i] != ObservationFate::kUsed) continue;
-      squares += residuals[i].squaredNorm() / std::pow(single.views[board.view].observations[i].sigma_px, 2);
-    }
-    board.growth *= squares / variance;
-  }
-  std::erase_if(mirrored, [](const Mirrored& board) { return !(board.growth < kWonBack); });
-  std::ranges::stable_sort(mirrored, {}, &Mirrored::growth);
-  if (mirrored.size() > kMostTried) mirrored.resize(kMostTried);
-  const BundleOptions bundle = bundle_options(options);
-  bool turned = false;
-  for (const Mirrored& board : mirrored) {
-    BundleState other = state;
-    other.poses[other.pose_of_view[board.view]].rig_from_target = board.camera_from_target;
-    const BundleSummary of_other = solve_bundle(single, other, bundle);
-    if (of_other.termination == Termination::kFailed) continue;
-    if (!(of_other.final_cost < (1.0 - kMirroredGain) * summary.final_cost)) continue;
-    if (spoils_lens(single, state, other)) continue;
-    state = std::move(other);
-    summary = of_other;
-    turned = true;
-  }
-  return turned;
 }
 
 // Other cameras that put rays where the state's does, as near as the corners can tell: twins of the model, and along
@@ -192,7 +113,8 @@ std::vector<Eigen::Vector3d> rays_seen(const CalibrationProblem& single, const B
 
 std::vector<std::optional<Rigid3>> mirrored_boards(const CalibrationProblem& single, const CameraOptimum& optimum,
                                                    int threads) {
-  return optimum.mirrored ? *optimum.mirrored : of_views(single, mirrored_of(single, optimum.solved.state, threads));
+  return optimum.mirrored ? *optimum.mirrored
+                          : of_views(single, find_mirrored_boards(single, optimum.solved.state, threads));
 }
 
 CameraOptimum leave_local_optima(const CalibrationProblem& single, const CalibrateOptions& options,
@@ -201,23 +123,23 @@ CameraOptimum leave_local_optima(const CalibrationProblem& single, const Calibra
   SolvedState& here = optimum.solved;
   const auto failed = [&] { return here.summary.termination == Termination::kFailed; };
   if (failed()) return optimum;
-  std::optional<std::vector<Mirrored>> mirrored;  // of the state as it is
+  std::optional<std::vector<MirroredBoard>> mirrored;  // of the state as it is
   const auto solve_on = [&](const BundleSummary& so_far) {
     mirrored.reset();
     here.summary = solve_without_outliers(single, here.state, options, false, here.reasons, so_far);
   };
   const auto turn_boards = [&] {
-    mirrored = mirrored_of(single, here.state, options.threads);
+    mirrored = find_mirrored_boards(single, here.state, options.threads);
     if (turn_mirrored_boards(here.state, *mirrored)) {
       solve_on({});
       if (failed()) return;
-      mirrored = mirrored_of(single, here.state, options.threads);
+      mirrored = find_mirrored_boards(single, here.state, options.threads);
     }
     // The camera that one board had bent may have kept another one from turning.
     for (int round = 0; round < kRounds && !failed(); ++round) {
       if (!try_mirrored_boards(single, *mirrored, options, here)) return;
       solve_on(here.summary);
-      if (!failed()) mirrored = mirrored_of(single, here.state, options.threads);
+      if (!failed()) mirrored = find_mirrored_boards(single, here.state, options.threads);
     }
   };
   const auto measure = [&] {
