@@ -14,7 +14,6 @@
 #include "lower_optima.hpp"
 #include "mirrored_boards.hpp"
 #include "raybundle/calibrate/lens_domain.hpp"
-#include "raybundle/geometry/threads.hpp"
 #include "raybundle/initialize/other_optima.hpp"
 #include "weak_directions.hpp"
 
