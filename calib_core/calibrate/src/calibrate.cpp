@@ -149,8 +149,9 @@ CalibrationResult for_whole_problem(const CalibrationProblem& whole, const RigPr
   for (std::size_t c = 0; c < whole.cameras.size(); ++c) {
     if (!alone.cameras[c]) result.warnings.push_back(alone.why_not[c]);
   }
+  const bool new_frame_known = whole.cameras[rig.cameras.front()].camera_from_rig.has_value();
   for (const ParameterRule& rule : whole.rules) {
-    if (rig.cameras.front() == 0 || !gives_place(rule)) continue;
+    if (rig.cameras.front() == 0 || !bound_to_frame(rule, new_frame_known)) continue;
     result.warnings.push_back(fmt::format("{} is not used: it is given as seen from camera {}, which is left out",
                                           rule.pattern, whole.cameras.front().name));
   }
@@ -160,13 +161,13 @@ CalibrationResult for_whole_problem(const CalibrationProblem& whole, const RigPr
 }
 
 // Of what the solve of the rig leaves doubtful.
-void add_warnings(const RigProblem& rig, const BundleState& state, const TieReview& ties, const std::string& message,
+void add_warnings(const RigProblem& rig, const BundleState& state, const Ties& ties, const std::string& message,
                   CalibrationResult& result) {
   const CalibrationProblem& problem = rig.sub.problem;
   name_given_up(problem, rig.own_rules, result);
   warn_of_folds(problem, state, result);
   std::ranges::copy(contradicted_priors(problem, state, result), std::back_inserter(result.warnings));
-  if (ties.unsynchronised) {
+  if (ties.rule.unsynchronised) {
     result.warnings.push_back(
         "in most frames the cameras saw the board in different places: they did not expose at the same moment, or the "
         "board was moving; hold it still or synchronise the cameras, and trust the sigmas less");
@@ -221,7 +222,7 @@ CalibrationResult calibrate_together(CalibrationProblem whole, const CamerasAlon
   }
   for (std::size_t v = 0; v < rig.sub.views.size(); ++v) result.views[v].symmetry = start.symmetry_of_view[v];
   add_warnings(rig, state, solve.ties, solve.solved.summary.message, result);
-  std::ranges::copy_if(solve.ties.untied, std::back_inserter(result.set_aside),
+  std::ranges::copy_if(solve.ties.review.untied, std::back_inserter(result.set_aside),
                        [&](const SetAside& untied) { return state.pose_of_view[untied.view] >= 0; });
   name_views_set_aside(state, solve.solved.reasons, result);
   result.lens_priors = lens_priors_in_force(problem);

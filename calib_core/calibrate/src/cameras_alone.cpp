@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cameras_alone.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <deque>
 #include <exception>
 #include <iterator>
@@ -166,9 +169,22 @@ void for_each_camera(std::deque<LoneCamera>& cameras, const CalibrateOptions& op
   });
 }
 
+// Start values that are given may fit no view at all, and a solve without a corner says nothing of its camera.
+void refuse_without_corners(LoneCamera& lone) {
+  if (std::isfinite(lone.sigma)) return;
+  const CalibrationProblem& single = lone.problem();
+  const std::string place = "camera " + single.cameras[0].name;
+  if (single.views.empty()) throw Error(ErrorKind::kNotEnoughData, "there is no view of the board", place);
+  throw Error(ErrorKind::kNotEnoughData,
+              fmt::format("none of its {} views fits the lens that it started from, as that of frame {}: {}",
+                          single.views.size(), single.frames[single.views[0].frame], lone.optimum.solved.reasons[0]),
+              place);
+}
+
 /// @throws Error where a stage failed
 void take_over(LoneCamera& lone, bool of_rig, CamerasAlone& alone) {
   if (lone.failure) std::rethrow_exception(lone.failure);
+  refuse_without_corners(lone);
   const int camera = lone.borrowed.camera;
   const auto& [state, reasons, summary] = lone.optimum.solved;
   if (!of_rig) refuse_open_lens(lone.problem(), state, lone.optimum.projection_sigma_px);

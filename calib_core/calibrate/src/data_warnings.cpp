@@ -157,7 +157,11 @@ std::vector<std::string> exchanged_frames_warnings(const CalibrationProblem& pro
 // Of few views every sigma may be several times too small: how frames disagree is what tests it.
 std::string few_views_warning(const ProblemCamera& camera, const CameraSummary& summary) {
   const int views = summary.views_used;
-  if (views == 0 || views >= kFewestFrames) return {};
+  if (views >= kFewestFrames) return {};
+  if (views == 0) {
+    return fmt::format("camera {} stands on no view at all: none of its {} fits, and nothing is known of it",
+                       camera.name, summary.views_total);
+  }
   const int others = summary.views_total - views;
   return fmt::format(
       "camera {} stands on {} views only{}, too few to show what the lens does in the whole image: nothing tests the "

@@ -31,15 +31,16 @@ constexpr double kBentByTies = 2.0;  // times the noise of a camera alone: what 
 //
 // @param settled  as BundleOptions
 BundleSummary solve_and_review_ties(const CalibrationProblem& problem, BundleState& state,
-                                    std::span<const double> shares_kept, const CalibrateOptions& options,
-                                    TieReview& ties, double settled = kTieSettled) {
+                                    std::span<const double> shares_kept, const CalibrateOptions& options, Ties& ties,
+                                    double settled = kTieSettled) {
   BundleOptions bundle = bundle_options(options);
   bundle.settled = settled;
   BundleSummary summary;
   for (std::size_t round = 0; round < kMaxTieReviews; ++round) {
-    ties.share_kept = shares_kept[std::min(round, shares_kept.size() - 1)];
-    const bool changed = review_ties(problem, state, options, ties, settled);
-    if (!changed && (ties.strict || ties.share_kept == shares_kept.back())) break;
+    ties.rule.share_kept = shares_kept[std::min(round, shares_kept.size() - 1)];
+    ties.review = review_ties(problem, state, options, ties.rule, settled);
+    const bool last = ties.review.strict || ties.rule.share_kept == shares_kept.back();
+    if (!ties.review.changed && last) break;
     summary = solve_bundle(problem, state, bundle);
   }
   return summary;
@@ -83,25 +84,25 @@ bool lenses_bent(const CalibrationProblem& problem, const BundleState& state, co
 // the lenses: then first from the few that agree best, under lenses that stay what each camera alone tells. Ties of
 // cameras that do not expose together are worth less than the corners: then the lenses stay so to the end.
 BundleSummary solve_rig(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
-                        const std::vector<double>& sigmas_alone, TieReview& ties) {
+                        const std::vector<double>& sigmas_alone, Ties& ties) {
   refuse_boards_of_other_sizes(problem, state);
   const CalibrationProblem rig_only = with_fixed_intrinsics(problem, state);
   solve_robustly(rig_only, state, options);
   const BundleState with_lenses_alone = state;
-  const auto plainly_tied = [&] { return !ties.doubtful && !lenses_bent(problem, state, sigmas_alone); };
+  const auto plainly_tied = [&] { return !ties.review.doubtful && !lenses_bent(problem, state, sigmas_alone); };
   BundleSummary summary = solve_and_review_ties(problem, state, kSharesKept, options, ties);
   if (plainly_tied()) return summary;
-  ties.wary = true;
+  ties.rule.wary = true;
   state = with_lenses_alone;
   solve_and_review_ties(rig_only, state, kFewKept, options, ties);
   const BundleState from_few = state;
   solve_bundle(problem, state, bundle_options(options));
   summary = solve_and_review_ties(problem, state, std::span(kFewKept).last(1), options, ties);
   if (plainly_tied()) return summary;
-  ties.unsynchronised = true;
+  ties.rule.unsynchronised = true;
   state = from_few;
   summary = solve_and_review_ties(rig_only, state, kFewKept, options, ties, BundleOptions().settled);
-  refuse_unrelated_images(problem, ties);
+  refuse_unrelated_images(problem, ties.review);
   return summary;
 }
 
@@ -208,14 +209,15 @@ JointSolve solve_jointly(const CalibrationProblem& problem, const CalibrateOptio
   auto& [state, reasons, summary] = solve.solved;
   const bool reshaped = forget_shapes(problem, state);
   if (problem.cameras.size() > 1) summary = solve_rig(problem, state, options, sigmas_alone, solve.ties);
-  if (!solve.ties.unsynchronised) {
+  if (!solve.ties.rule.unsynchronised) {
     const bool changed = give_second_chance(problem, state, options, reasons);
     const bool still_solved = problem.cameras.size() == 1 && !changed && !reshaped;
     const BundleSummary so_far = still_solved ? summary : BundleSummary{};
     summary = solve_without_outliers(problem, state, options, false, reasons, so_far);
     solve.shape_estimated = bend_boards(problem, options, solve.solved);
     // As long as it was taken for flat, a bent board may have seemed to move.
-    if (solve.shape_estimated && review_ties(problem, state, options, solve.ties)) {
+    if (solve.shape_estimated) solve.ties.review = review_ties(problem, state, options, solve.ties.rule);
+    if (solve.shape_estimated && solve.ties.review.changed) {
       summary = solve_without_outliers(problem, state, options, true, reasons);
     }
   }

@@ -9,9 +9,15 @@
 
 namespace raybundle {
 
+/// Which frames tie the cameras, and by which rule.
+struct Ties {
+  TieRule rule;
+  TieReview review;
+};
+
 struct JointSolve {
   SolvedState solved;
-  TieReview ties;
+  Ties ties;
   bool shape_estimated = false;
 };
 

@@ -50,15 +50,16 @@ Subproblem select(const CalibrationProblem& whole, const std::vector<int>& camer
   }
   const bool same_frame = cameras.front() == 0;
   std::ranges::copy_if(whole.rules, std::back_inserter(sub.problem.rules), [&](const ParameterRule& rule) {
-    return matches_any(rule, sub.problem) && (same_frame || !gives_place(rule));
+    return matches_any(rule, sub.problem) && (same_frame || !bound_to_frame(rule, first_from_rig.has_value()));
   });
   return sub;
 }
 
 }  // namespace
 
-bool gives_place(const ParameterRule& rule) {
-  return rule.value && rule.pattern.find("camera_from_rig") != std::string::npos;
+bool bound_to_frame(const ParameterRule& rule, bool new_frame_known) {
+  const bool keeps = rule.kind != ParameterRule::Kind::kFree && (rule.value || !new_frame_known);
+  return keeps && rule.pattern.find("camera_from_rig") != std::string::npos;
 }
 
 Subproblem select_cameras(const CalibrationProblem& whole, const std::vector<int>& cameras) {

@@ -19,13 +19,16 @@ struct Subproblem {
   std::vector<int> views;  ///< index in the whole problem of each view
 };
 
-/// Whether a rule gives the value of a camera's place in the rig frame. In another frame it says nothing.
-bool gives_place(const ParameterRule& rule);
+/// Whether a rule keeps a camera's place at what says nothing in another frame than that of the first camera: at a value,
+/// or at a start that cannot be expressed there.
+///
+/// @param new_frame_known  the place of the camera whose frame it will be
+bool bound_to_frame(const ParameterRule& rule, bool new_frame_known);
 
 /// The problem of some cameras alone, with the rules that speak of them.
 ///
 /// @param cameras  indices in ascending order; the first one's frame becomes the rig frame: without camera 0 the rules
-///                 that give places are left out
+///                 that are bound to its frame are left out
 Subproblem select_cameras(const CalibrationProblem& whole, const std::vector<int>& cameras);
 
 /// The same with the views taken out of the whole problem, so that no corner is held twice: of what is left of them
@@ -40,7 +43,7 @@ CalibrationProblem with_fixed_intrinsics(const CalibrationProblem& problem, cons
 /// @param symmetry_of_view  as in RigStart
 void relabel(CalibrationProblem& problem, const std::vector<int>& symmetry_of_view);
 
-/// Multiplies the sigma of every corner, and of every prior, so that it weighs against them as before; exact data keep
+/// Multiplies the sigma of every corner, and of every prior that a rule gives, so that it weighs against them as before; exact data keep
 /// one that rounding does not exceed.
 void scale_corners(CalibrationProblem& problem, double scale);
 

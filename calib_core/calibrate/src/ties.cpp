@@ -82,7 +82,7 @@ void solve_poses(const CalibrationProblem& problem, BundleState& state, int thre
 }
 
 // Excess beyond which a frame does not tie. Frames of the same moment err alike, those of another one by far more.
-double tie_limit(const std::vector<TieCheck>& checks, double tie_sigma, TieReview& review) {
+double tie_limit(const std::vector<TieCheck>& checks, double tie_sigma, const TieRule& rule, TieReview& review) {
   std::vector<double> values;
   for (const TieCheck& check : checks) values.push_back(check.excess);
   std::ranges::sort(values);
@@ -91,11 +91,11 @@ double tie_limit(const std::vector<TieCheck>& checks, double tie_sigma, TieRevie
     const auto rank = static_cast<std::size_t>(share * static_cast<double>(last));  // as in quantile()
     return values[std::min(std::max(rank, kFewestFrames - 1), last)];
   };
-  const double best = best_of(review.share_kept);
-  const double alike = review.wary ? kAlike * best_of(kShareOfTheSameMoment) : values.back();
+  const double best = best_of(rule.share_kept);
+  const double alike = rule.wary ? kAlike * best_of(kShareOfTheSameMoment) : values.back();
   review.doubtful = best > tie_sigma;
-  review.strict = !review.unsynchronised && !review.doubtful;
-  return review.unsynchronised ? std::min(3.0 * values[last / 2], alike) : std::max(tie_sigma, std::min(best, alike));
+  review.strict = !rule.unsynchronised && !review.doubtful;
+  return rule.unsynchronised ? std::min(3.0 * values[last / 2], alike) : std::max(tie_sigma, std::min(best, alike));
 }
 
 // For each view the first one that shares its board pose: the same for states that tie the same views.
@@ -110,17 +110,15 @@ std::vector<int> first_sharing(const std::vector<int>& pose_of_view) {
 
 }  // namespace
 
-bool review_ties(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
-                 TieReview& review, double settled) {
+TieReview review_ties(const CalibrationProblem& problem, BundleState& state, const CalibrateOptions& options,
+                      const TieRule& rule, double settled) {
   BundleState tied = with_all_ties(problem, state);
   solve_poses(problem, tied, options.threads, settled);
   const std::vector<TieCheck> checks = check_ties(problem, tied.cameras, tied.camera_from_rig, tied.shapes, tied.poses,
                                                   tied.pose_of_view, options.threads);
-  review.untied = views_out_of_sight(problem, tied);
-  review.doubtful = review.strict = false;
-  review.typical_px = 0.0;
-  if (checks.empty()) return false;
-  const double limit = tie_limit(checks, options.tie_sigma, review);
+  TieReview review{.untied = views_out_of_sight(problem, tied)};
+  if (checks.empty()) return review;
+  const double limit = tie_limit(checks, options.tie_sigma, rule, review);
   std::vector<double> tied_px;
   for (const TieCheck& check : checks) {
     if (check.excess <= limit) {
@@ -142,9 +140,9 @@ bool review_ties(const CalibrationProblem& problem, BundleState& state, const Ca
   }
   review.typical_px = median(tied_px);
   mark_projectable(problem, tied);
-  const bool changed = first_sharing(state.pose_of_view) != first_sharing(tied.pose_of_view);
+  review.changed = first_sharing(state.pose_of_view) != first_sharing(tied.pose_of_view);
   state = std::move(tied);
-  return changed;
+  return review;
 }
 
 }  // namespace raybundle

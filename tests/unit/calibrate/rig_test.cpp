@@ -83,6 +83,49 @@ TEST(Rig, GivenExtrinsicsSurviveTheLossOfTheFirstCamera) {
   EXPECT_LT(result.rms_px, 1e-6);  // exact observations
 }
 
+// Start values that no view fits: the camera was taken for calibrated, its rms for 0, and its place for known.
+TEST(Rig, ACameraWhoseStartFitsNoViewIsLeftOut) {
+  SyntheticWorld world = synthetic_world(three_cameras(17));
+  for (std::size_t c = 0; c < 3; ++c) {
+    world.problem.cameras[c].parameters = world.cameras[c].parameters;
+    world.problem.cameras[c].camera_from_rig = world.camera_from_rig[c];
+  }
+  world.problem.cameras[1].parameters->head<4>() << 100.0, 100.0, 3000.0, 480.0;
+  const CalibrationResult result = calibrate(world.problem);
+  ASSERT_THAT(result.calibration.cameras, ::testing::SizeIs(2));
+  EXPECT_THAT(result.warnings, ::testing::Contains(::testing::HasSubstr("camera camera1: none of its ")));
+  EXPECT_EQ(result.cameras[1].views_used, 0);
+  for (const int good : {0, 2}) {
+    EXPECT_LT(result.cameras[good].rms_px, 1e-6) << good;
+    EXPECT_TRUE(std::isfinite(result.cameras[good].sigma_scale)) << good;
+  }
+  std::erase_if(world.problem.views, [](const TargetView& view) { return view.camera == 1; });
+  EXPECT_THAT(calibrate(world.problem).warnings,
+              ::testing::Contains(::testing::HasSubstr("camera camera1: there is no view of the board")));
+  world.problem.cameras = {world.problem.cameras[1]};
+  CalibrationProblem alone = synthetic_world({}).problem;
+  alone.cameras[0].parameters = world.problem.cameras[0].parameters;
+  try {
+    calibrate(alone);
+    FAIL() << "expected an error";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("none of its 20 views fits the lens that it started from"));
+  }
+}
+
+// A place that is to stay where the start has it cannot be told from another camera whose own place is not known.
+TEST(Rig, PlacesKeptAtTheStartAreNotUsedWithoutTheFirstCamera) {
+  SyntheticWorld world = synthetic_world(three_cameras(17));
+  world.problem.cameras[2].camera_from_rig = world.camera_from_rig[2];
+  world.problem.rules = {{"camera2.camera_from_rig", ParameterRule::Kind::kFixed, {}, 0.0}};
+  std::erase_if(world.problem.views, [](const TargetView& view) { return view.camera == 0; });
+  const CalibrationResult result = calibrate(world.problem);
+  ASSERT_THAT(result.calibration.cameras, ::testing::SizeIs(2));
+  EXPECT_THAT(result.warnings, ::testing::Contains(::testing::HasSubstr("camera2.camera_from_rig is not used")));
+  const Rigid3 truth = world.camera_from_rig[2] * world.camera_from_rig[1].inverse();
+  EXPECT_LT(motion_between(truth, result.calibration.cameras[1].camera_from_rig).cwiseAbs().maxCoeff(), 1e-8);
+}
+
 // A lens whose model has priors is left out with them.
 TEST(Rig, ACameraThatIsNotLinkedTakesItsLensPriorsAlong) {
   SyntheticOptions options = three_cameras(23);

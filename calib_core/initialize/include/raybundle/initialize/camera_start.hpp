@@ -25,8 +25,9 @@ struct CameraStart {
 /// Uses problem.cameras[camera].parameters as the start instead when they are given.
 ///
 /// @param threads  change the time, never the bits
-/// @throws Error(kNotEnoughData) when fewer than three views are usable (for models with free intrinsics), or when the
-///         views cannot determine the focal length (all parallel to the image plane); the message says which
+/// @throws Error(kNotEnoughData) when fewer than three views are usable, or when they cannot determine the focal length
+///         (all parallel to the image plane); the message says which. Not where a start is given: views that do not fit
+///         it have no pose, and their reason
 CameraStart initialize_camera(const CalibrationProblem& problem, int camera, int threads = 1);
 
 /// Poses of views under a known camera, robustly; the way back for views that were set aside.
