@@ -3,6 +3,7 @@
 #include "raybundle/calibrate/cross_validation.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -59,11 +60,19 @@ std::optional<CalibrationComparison> compare_by_frames(const Solved& solved) {
   return compare(odd, even, {.sigmas_from = SigmasFrom::kFrames});
 }
 
-// The same camera with another model, which brings its own start.
+// The camera alone, with a model. Another than its own brings its own start; rules that keep the start of the other one
+// say nothing of it.
 CalibrationProblem with_model_of(const CalibrationProblem& problem, int camera, ModelId model) {
   CalibrationProblem alone = select_cameras(problem, {camera}).problem;
-  alone.cameras[0].model = model;
-  alone.cameras[0].parameters.reset();
+  if (alone.cameras[0].model != model) {
+    alone.cameras[0].model = model;
+    alone.cameras[0].parameters.reset();
+    CalibrationProblem lens_only;
+    lens_only.cameras = alone.cameras;
+    std::erase_if(alone.rules, [&](const ParameterRule& rule) {
+      return rule.kind != ParameterRule::Kind::kFree && !rule.value && matches_any(rule, lens_only);
+    });
+  }
   std::erase_if(alone.rules, [&](const ParameterRule& rule) { return !matches_any(rule, alone); });
   return alone;
 }
@@ -194,23 +203,47 @@ void judge(const Halves& halves, const CalibrateOptions& options, CrossValidatio
   }
 }
 
+// Halves that agree say nothing of a camera that one of them could not calibrate.
+void judge_missing(const Calibration& whole, CrossValidation& result) {
+  std::vector<std::string> missing;
+  for (const RigCamera& camera : whole.cameras) {
+    if (!of_camera(*result.by_corners, camera.name)) missing.push_back(camera.name);
+  }
+  if (missing.empty()) return;
+  if (result.verdict != Verdict::kModelError) result.verdict = Verdict::kTooFewFrames;
+  result.words =
+      fmt::format("camera {} could not be calibrated from the odd and from the even frames apart; of the others: {}",
+                  fmt::join(missing, ", "), result.words);
+}
+
+CrossValidation not_compared(const std::string& words) {
+  CrossValidation result;
+  result.verdict = Verdict::kTooFewFrames;
+  result.words = words;
+  return result;
+}
+
 }  // namespace
 
 CrossValidation cross_validate(const CalibrationProblem& problem, const CalibrationResult& whole,
                                const CalibrateOptions& options) {
   CrossValidation result;
   const Halves halves = halves_of(problem, whole);
+  Solved solved;
   try {
-    const Solved solved = solve(halves, options);
+    solved = solve(halves, options);
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::kIo) throw;
+    return not_compared(std::string("the odd and the even frames could not be solved apart: ") + error.what());
+  }
+  try {
     result.by_corners = compare(solved.odd.calibration, solved.even.calibration);
     result.by_frames = compare_by_frames(solved);
   } catch (const Error& error) {
-    if (error.kind() == ErrorKind::kIo) throw;
-    result.verdict = Verdict::kTooFewFrames;
-    result.words = std::string("the odd and the even frames could not be solved apart: ") + error.what();
-    return result;
+    return not_compared(std::string("the odd and the even frames could not be compared: ") + error.what());
   }
   judge(halves, options, result);
+  judge_missing(whole.calibration, result);
   return result;
 }
 

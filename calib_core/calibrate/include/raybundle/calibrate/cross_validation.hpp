@@ -27,7 +27,7 @@ struct CrossValidation {
     kAgreeByFrames,  ///< by more, but by no more than the sigmas by frames explain: corners err together
     kTiesDisagree,   ///< by more than either explains, but not where each camera is calibrated alone
     kModelError,     ///< by more than either explains, or another model fits much better
-    kTooFewFrames,   ///< a half could not be solved
+    kTooFewFrames,   ///< a half could not be solved, or not for a camera, whose name the words tell
   };
   Verdict verdict = Verdict::kAgree;
   std::optional<CalibrationComparison> by_corners;  ///< nothing when a half could not be solved
