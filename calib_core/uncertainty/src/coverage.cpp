@@ -58,12 +58,23 @@ double rayless_share(const Camera& camera) {
   return static_cast<double>(rayless) / (rows * kColumns);
 }
 
+// Off the axis, towards the middle of an edge; where the model ends before it, as far as it goes.
+double reach_towards(const Camera& camera, const Eigen::Vector2d& edge) {
+  constexpr int kSteps = 100;
+  const Eigen::Vector2d centre(camera.cx(), camera.cy());
+  for (int step = kSteps; step > 0; --step) {
+    const auto ray = ray_from_pixel(camera, centre + (edge - centre) * step / kSteps);
+    if (ray) return angle_off_axis(*ray);
+  }
+  return 0.0;
+}
+
 double reach(const Camera& camera) {
   const double right = camera.size.width - 1, bottom = camera.size.height - 1;
   double largest = 0.0;
-  for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(0, camera.cy()), Eigen::Vector2d(right, camera.cy()),
-                                       Eigen::Vector2d(camera.cx(), 0), Eigen::Vector2d(camera.cx(), bottom)}) {
-    largest = std::max(largest, angle_of_pixel(camera, pixel));
+  for (const Eigen::Vector2d& edge : {Eigen::Vector2d(0, camera.cy()), Eigen::Vector2d(right, camera.cy()),
+                                      Eigen::Vector2d(camera.cx(), 0), Eigen::Vector2d(camera.cx(), bottom)}) {
+    largest = std::max(largest, reach_towards(camera, edge));
   }
   return largest;
 }

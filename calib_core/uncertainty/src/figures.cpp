@@ -22,7 +22,7 @@ std::vector<Eigen::Vector2d> places(const Requirement& requirement, const Camera
       const Eigen::Vector2d pixel = middle_of_cell(camera.size, rows, columns, row, column);
       const auto ray = ray_from_pixel(camera, pixel);
       if (!ray) continue;
-      const double angle = std::atan2(ray->head<2>().norm(), ray->z());
+      const double angle = angle_off_axis(*ray);
       figure.reach_rad = std::max(figure.reach_rad, angle);
       if (requirement.field_rad && angle > *requirement.field_rad / 2) continue;
       pixels.push_back(pixel);

@@ -81,7 +81,7 @@ ViewData ImaginedBoard::view_of(int camera, const std::vector<int>& points, doub
           .inverse_sigma = Eigen::ArrayXd::Constant(count, 1.0 / sigma_px)};
 }
 
-Eigen::MatrixXd ImaginedBoard::information(const Rigid3& rig_from_target, double sigma_px) const {
+Eigen::MatrixXd ImaginedBoard::information(const Rigid3& rig_from_target, const std::vector<double>& sigma_px) const {
   const auto parameters = static_cast<Eigen::Index>(calibration_.covariance.names.size());
   Eigen::MatrixXd products = Eigen::MatrixXd::Zero(kPoseColumns + parameters, kPoseColumns + parameters), of_view;
   for (int c = 0; c < static_cast<int>(calibration_.cameras.size()); ++c) {
@@ -90,7 +90,7 @@ Eigen::MatrixXd ImaginedBoard::information(const Rigid3& rig_from_target, double
     const RigCamera& camera = calibration_.cameras[c];
     const ViewPoint point{camera.camera.parameters.data(), camera.camera_from_rig, rig_from_target,
                           calibration_.targets[target_].shape.sags()};
-    if (!multiply_view(view_of(c, seen, sigma_px), point, {.with_shape = true}, of_view)) {
+    if (!multiply_view(view_of(c, seen, sigma_px[c]), point, {.with_shape = true}, of_view)) {
       return Eigen::MatrixXd::Zero(parameters, parameters);
     }
     const std::vector<int>& places = places_[c];

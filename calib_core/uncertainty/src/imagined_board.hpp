@@ -22,8 +22,8 @@ class ImaginedBoard {
   /// the board's pose may follow freely. Zero when a corner does not project. To the root of the precision of
   /// rows_beside_pose(), which is enough for views that are imagined.
   ///
-  /// @param sigma_px  of a corner
-  Eigen::MatrixXd information(const Rigid3& rig_from_target, double sigma_px) const;
+  /// @param sigma_px  of a corner, by camera
+  Eigen::MatrixXd information(const Rigid3& rig_from_target, const std::vector<double>& sigma_px) const;
 
  private:
   ViewData view_of(int camera, const std::vector<int>& points, double sigma_px) const;

@@ -22,13 +22,20 @@ namespace {
 
 constexpr int kPlacesAcross = 12;  // at which the uncertainty is looked at, for hundreds of candidates
 
-// Of a corner, as the solve found it: its stated sigma and how far residuals exceed such ones.
-double corner_sigma(const CalibrationProblem& problem, const CalibrationResult& result) {
+// Of a corner of each camera of the calibration, as the solve found it: its stated sigma, how much noise its camera has
+// against the others, and how far residuals exceed such ones.
+std::vector<double> corner_sigmas(const CalibrationProblem& problem, const CalibrationResult& result) {
   std::vector<double> sigmas;
   for (const TargetView& view : problem.views) {
     for (const Observation& observation : view.observations) sigmas.push_back(observation.sigma_px);
   }
-  return median(sigmas) * std::sqrt(result.variance_factor);
+  const double usual_px = median(sigmas) * std::sqrt(result.variance_factor);
+  std::vector<double> of_cameras;
+  for (const RigCamera& camera : result.calibration.cameras) {
+    const auto named = std::ranges::find(problem.cameras, camera.name, &ProblemCamera::name);
+    of_cameras.push_back(usual_px * result.cameras[named - problem.cameras.begin()].sigma_scale);
+  }
+  return of_cameras;
 }
 
 // What is known of the cameras and, where a laser's depth is required, of its beams.
@@ -200,7 +207,8 @@ NextViews next_best_views(const CalibrationProblem& problem, const CalibrationRe
   next.objective = objective.words();
   const std::optional<int> target = usual_target(problem);
   if (!target) return next;
-  const double corner_px = corner_sigma(problem, result), dot_px = dot_sigma(problem, result);
+  const std::vector<double> corner_px = corner_sigmas(problem, result);
+  const double dot_px = dot_sigma(problem, result);
   const Start start(calibration);
   const ImaginedBoard imagined(calibration, *target);
   std::vector<Choice> choices;

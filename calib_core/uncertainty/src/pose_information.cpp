@@ -63,6 +63,7 @@ ViewData used_corners(const CalibrationProblem& problem, const CalibrationResult
   const ViewResult& solved = result.views[view];
   const Target& target = problem.targets[seen.target];
   relabel(target, solved.symmetry, seen.observations);
+  for (Observation& corner : seen.observations) corner.sigma_px *= result.cameras[seen.camera].sigma_scale;
   ViewData data = view_data(target, seen, solved.fates);
   data.view = view;
   data.camera = camera;

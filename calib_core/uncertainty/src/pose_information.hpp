@@ -17,7 +17,7 @@ namespace raybundle {
 Eigen::MatrixXd rows_beside_pose(const Calibration& calibration, const std::vector<ViewData>& views,
                                  const Rigid3& rig_from_target);
 
-/// The corners of a view that a solve used, with the labels that it settled on.
+/// The corners of a view that a solve used, with the labels that it settled on and the sigmas that it weighed them by.
 ///
 /// @param camera  index of the view's camera in the calibration
 ViewData used_corners(const CalibrationProblem& problem, const CalibrationResult& result, int view, int camera);

@@ -126,7 +126,7 @@ ResidualBias residual_bias(const CalibrationProblem& problem, const CalibrationR
       parts[static_cast<std::size_t>(row) * bias.columns + column].add(v, residual);
       const std::optional<Eigen::Vector3d> ray = ray_from_pixel(lens, pixel);
       if (!ray) continue;
-      const double angle = std::atan2(ray->head<2>().norm(), ray->z());
+      const double angle = angle_off_axis(*ray);
       const auto band = std::min(static_cast<std::size_t>(angle / kBand_rad), bands.size() - 1);
       bands[band].add(v, radial_and_tangential(lens, pixel, residual));
     }

@@ -148,6 +148,8 @@ CalibrationProblem weighed_as(CalibrationProblem problem, const CalibrationResul
 
 }  // namespace
 
+bool second_opinion_available() { return mrcal_available(); }
+
 std::vector<SecondOpinion> second_opinions(const CalibrationProblem& given, const CalibrationResult& first) {
   SecondOpinion none;
   none.why_not = mrcal_objection(given, first);

@@ -15,7 +15,7 @@ namespace raybundle {
 enum class Quantity {
   kRms,         ///< [px] of the corners of each camera
   kProjection,  ///< [px] largest sigma of a projection, over a field and at a range
-  kDepth,       ///< [m] sigma of the depth of stereo points, or of laser dots where there is one camera
+  kDepth,       ///< [m] sigma of the depth of stereo points, and of laser dots where there is a laser
   kBaseline,    ///< [m] sigma of the distance between the first camera and each other one
   kCoverage     ///< [share] of the image in which corners were seen
 };

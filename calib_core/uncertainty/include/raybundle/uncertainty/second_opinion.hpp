@@ -25,6 +25,9 @@ struct SecondOpinion {
   std::string why_not;  ///< without a comparison: the reason, one clause
 };
 
+/// Whether this build can ask mrcal.
+bool second_opinion_available();
+
 /// Solves for cameras, rig, board poses and board shape with mrcal's optimiser, from the poses of the first opinion:
 /// with the same lens model, where mrcal has it, from lenses some percent away; and with mrcal's splined lenses, which
 /// stand for any central lens, from stereographic ones. Corners that the first opinion left out stay out. mrcal's
