@@ -191,7 +191,7 @@ std::vector<PriorResidual> NormalEquations::prior_residuals(const Unknowns& unkn
 }
 
 std::optional<double> NormalEquations::cost(const Unknowns& unknowns) {
-  if (!beams_.empty()) {  // dots are cheap beside corners
+  if (!beams_.empty()) {  // the cost of dots has no shorter way than their equations
     Linearization at;
     return linearize(unknowns, at) ? std::optional(at.cost) : std::nullopt;
   }

@@ -37,9 +37,6 @@ std::vector<OtherDistance> other_distances(const CalibrationProblem& problem, co
     const TargetView& view = problem.views[v];
     if (view.camera == first && state.pose_of_view[v] >= 0) views_of_first[{view.frame, view.target}] = v;
   }
-  const auto camera_from_target = [&](std::size_t v) {
-    return state.camera_from_rig[problem.views[v].camera] * state.poses[state.pose_of_view[v]].rig_from_target;
-  };
   const Rigid3 by_rig = state.camera_from_rig[second] * state.camera_from_rig[first].inverse();
   std::vector<OtherDistance> found;
   for (std::size_t v = 0; v < problem.views.size(); ++v) {
@@ -47,7 +44,8 @@ std::vector<OtherDistance> other_distances(const CalibrationProblem& problem, co
     if (view.camera != second || state.pose_of_view[v] < 0) continue;
     const auto other = views_of_first.find({view.frame, view.target});
     if (other == views_of_first.end() || state.pose_of_view[other->second] == state.pose_of_view[v]) continue;
-    const Rigid3 by_frame = camera_from_target(v) * camera_from_target(other->second).inverse();
+    const Rigid3 by_frame = camera_from_target(problem, state, static_cast<int>(v)) *
+                            camera_from_target(problem, state, static_cast<int>(other->second)).inverse();
     const double product = by_frame.translation.norm() * by_rig.translation.norm();
     const double cosine = by_frame.translation.dot(by_rig.translation) / product;
     if (by_frame.rotation.angularDistance(by_rig.rotation) > kLargestTurn_rad) continue;

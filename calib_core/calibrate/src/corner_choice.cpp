@@ -150,7 +150,9 @@ std::size_t count_used(const BundleState& state) {
 bool swallows_noise(const CalibrationProblem& single, const BundleState& state) {
   std::size_t unknowns =
       6 * static_cast<std::size_t>(std::ranges::count_if(state.pose_of_view, [](int pose) { return pose >= 0; }));
-  for (const ParameterBlock& block : parameter_blocks(single)) unknowns += block.free().size();
+  for (const ParameterBlock& block : parameter_blocks(single)) {
+    if (block.kind == ParameterBlock::Kind::kIntrinsics) unknowns += block.free().size();
+  }
   return count_used(state) <= kSwallowed * unknowns;
 }
 

@@ -142,10 +142,12 @@ double fitted_sigma(std::vector<double> distances, double unknowns) {
   const auto degrees_of_freedom = [&](double corners) { return std::max(2.0 * corners - unknowns, 0.5 * corners); };
   const auto corners = static_cast<double>(distances.size());
   const double sigma = std::sqrt(2.0 * corners / degrees_of_freedom(corners)) * median(distances) / kRayleighMedian;
-  if (!std::isfinite(sigma) || degrees_of_freedom(corners) > 1.6 * corners) return sigma;
+  constexpr double kMuchLeft = 1.6;    // of the two values of each corner: the fit has swallowed a fifth of them
+  constexpr double kUsualLimit = 5.0;  // sigmas; as CalibrateOptions::outlier_sigma is unless asked otherwise
+  if (!std::isfinite(sigma) || degrees_of_freedom(corners) > kMuchLeft * corners) return sigma;
   double sum = 0.0, right = 0.0;
   for (const double distance : distances) {
-    if (!(distance <= 5.0 * sigma)) continue;
+    if (!(distance <= kUsualLimit * sigma)) continue;
     sum += distance * distance;
     right += 1.0;
   }
@@ -161,11 +163,23 @@ std::vector<int> views_of_poses(const BundleState& state) {
   return views;
 }
 
+// How many parameters of each camera's lens its corners may move.
+std::vector<double> free_of_lenses(const CalibrationProblem& problem, const BundleState& state) {
+  std::vector<double> free;
+  for (const Camera& camera : state.cameras) free.push_back(static_cast<double>(camera.parameters.size()));
+  if (problem.rules.empty()) return free;
+  for (const ParameterBlock& block : parameter_blocks(problem)) {
+    if (block.kind != ParameterBlock::Kind::kIntrinsics) continue;
+    free[static_cast<std::size_t>(block.owner)] = static_cast<double>(block.free().size());
+  }
+  return free;
+}
+
 // Standard deviation of the noise of each camera's corners.
 std::vector<double> sigmas_of(const CalibrationProblem& problem, const BundleState& state, const Distances& distances) {
   const std::vector<int> views_of_pose = views_of_poses(state);
   std::vector<std::vector<double>> of_cameras(problem.cameras.size());
-  std::vector<double> unknowns(problem.cameras.size(), 0.0);
+  std::vector<double> unknowns = free_of_lenses(problem, state);
   for (std::size_t v = 0; v < problem.views.size(); ++v) {
     if (state.pose_of_view[v] < 0) continue;
     std::vector<double>& of_camera = of_cameras[problem.views[v].camera];
@@ -174,8 +188,7 @@ std::vector<double> sigmas_of(const CalibrationProblem& problem, const BundleSta
   }
   std::vector<double> sigmas;
   for (std::size_t c = 0; c < of_cameras.size(); ++c) {
-    const double all = unknowns[c] + static_cast<double>(state.cameras[c].parameters.size());
-    sigmas.push_back(fitted_sigma(std::move(of_cameras[c]), all));
+    sigmas.push_back(fitted_sigma(std::move(of_cameras[c]), unknowns[c]));
   }
   return sigmas;
 }
@@ -241,7 +254,8 @@ double all_squares(const CalibrationProblem& problem, const BundleState& state, 
 std::string outlier_rule(const CalibrateOptions& options) {
   return fmt::format(
       "corners farther from their projection than {:g} robust sigmas of their camera (median distance / 1.1774, in "
-      "units of each corner's own sigma, times the root of values per degree of freedom) are left out; a view with "
+      "units of each corner's own sigma, times the root of values per degree of freedom; where the fit has swallowed a "
+      "fifth of the values, the root of their sum of squares per degree of freedom where that is larger) are left out; a view with "
       "more than half of its corners left out, fewer than {} in use, or all of these on one line of the board, is set "
       "aside",
       options.outlier_sigma, kFewestCorners);

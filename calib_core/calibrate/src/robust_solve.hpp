@@ -19,7 +19,8 @@ BundleOptions bundle_options(const CalibrateOptions& options);
 
 /// Robust standard deviation of each camera's whitened residuals per coordinate: the median distance over that of a
 /// standard normal in two dimensions (1.1774), and that times the root of values per degree of freedom: the lens and
-/// the poses fit a part of the noise, of views with few corners most of it. Infinite for a camera without used views.
+/// the poses fit a part of the noise, of views with few corners most of it. Where they fit a fifth of it or more, the root
+/// of the sum of squares per degree of freedom, if that is larger. Infinite for a camera without used views.
 std::vector<double> robust_sigmas(const CalibrationProblem& problem, const BundleState& state);
 
 /// A state, and the solve that led to it.

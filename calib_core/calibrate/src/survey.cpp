@@ -121,13 +121,12 @@ Rigid3 start_pose(const Camera& camera, const std::vector<Pair>& pairs, const st
   return pose->camera_from_target;
 }
 
-// Gauss-Newton over the pairs in use. Returns the information of the motion and, where nothing sees a direction of it,
-// leaves that alone.
 struct Refined {
   Rigid3 pose;
-  Information information = Information::Zero();
+  Information information = Information::Zero();  // of its motion
 };
 
+// Gauss-Newton over the pairs in use. A direction of the motion that nothing sees is left alone.
 Refined refine(const Camera& camera, const std::vector<Pair>& pairs, double sigma_px, Refined state) {
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
     state.information.setZero();
@@ -243,6 +242,7 @@ SurveyImage image_of(const Camera& camera, const std::string& image, std::vector
     judge();
     if (!choose_fitting(result.landmarks, pairs)) break;
   }
+  refined = refine(camera, pairs, sigma_px, refined);  // with those that are in use in the end
   judge();
   const auto unseen = [](const LandmarkResidual& l) { return l.used && std::isnan(l.sigmas); };
   if (std::ranges::any_of(result.landmarks, unseen)) refuse_image(image);

@@ -253,15 +253,16 @@ BeamOrigin origin_of_turned(const LaserScene& scene, const std::vector<BeamHit>&
     const LatticePlace anchored = turned(place, quarters);
     keep("the anchor", [&](Shift shift) { return beam_at(laser.grid, anchored, shift) == laser.anchor->beam; });
   }
-  if (laser.brightest && shifts.size() > 1) {
-    std::vector<Shift> fitting = fitting_shifts(laser.grid, *laser.brightest, lines, places, shifts);
-    if (fitting.size() < shifts.size()) origin.reason = "the lens's bending of the lattice about the brightest beam";
+  const auto narrow = [&](std::vector<Shift> fitting, const char* reason) {
+    if (fitting.size() < shifts.size()) origin.reason = reason;
     shifts = std::move(fitting);
+  };
+  if (laser.brightest && shifts.size() > 1) {
+    narrow(fitting_shifts(laser.grid, *laser.brightest, lines, places, shifts),
+           "the lens's bending of the lattice about the brightest beam");
   }
   if (laser.brightest && shifts.size() > 1) {
-    std::vector<Shift> kept = brightest_shifts(problem, hits, lines, places, shifts);
-    if (kept.size() < shifts.size()) origin.reason = "the brightest beam";
-    shifts = std::move(kept);
+    narrow(brightest_shifts(problem, hits, lines, places, shifts), "the brightest beam");
   }
   if (!laser.missing.empty()) {
     keep("the missing beams", [&](Shift shift) {

@@ -111,15 +111,14 @@ void expect_ordinary_lens(const LensFunctions& lens, ImageSize size, const LensV
 /// Model parameters and poses together, on views that fit; what the conversion from the start lens lost is won back.
 void polish(ModelId model, ImageSize size, const std::vector<PointsInView>& views, LensGuess& guess) {
   const LensFunctions lens = lens_functions(model);
-  const auto scale_px = [&] { return std::max(1.5, 4.0 * guess.score_px); };
   for (int round = 0; round < 3; ++round) {
-    LensBundleOptions options = model_options(model, guess.parameters, scale_px());
+    LensBundleOptions options = model_options(model, guess.parameters, guess.loss_scale_px());
     expect_ordinary_lens(lens, size, guess.parameters, options);
     options.max_iterations = 10;
     options.last_decrease = kPolished;
     const int iterations = refine_lens(lens, views, options, guess.parameters, guess.poses).iterations;
     guess.score_px = robust_score(lens, guess.parameters.data(), views, guess.poses);
-    const bool next_is_the_same = scale_px() > 0.98 * options.scale_px;
+    const bool next_is_the_same = guess.loss_scale_px() > 0.98 * options.scale_px;
     if (iterations < options.max_iterations && next_is_the_same) break;
   }
 }
@@ -130,13 +129,16 @@ std::vector<PointsInView> selection(std::span<const PointsInView> views, std::si
   return selected;
 }
 
-/// A corner fits within this [px]: 3 px, or more for a model that leaves large residuals everywhere.
+/// A corner fits within this [px] where they are off by `usual_px`: 3 px, or more for a model that leaves large residuals
+/// everywhere.
+double fit_threshold(double usual_px) { return std::clamp(5.0 * usual_px, kFit_px, 50.0); }
+
 double fit_threshold(const std::vector<std::optional<ViewPose>>& poses) {
   std::vector<double> medians;
   for (const auto& pose : poses) {
     if (pose && std::isfinite(pose->median_px)) medians.push_back(pose->median_px);
   }
-  return medians.empty() ? kFit_px : std::clamp(5.0 * median(medians), kFit_px, 50.0);
+  return medians.empty() ? kFit_px : fit_threshold(median(medians));
 }
 
 /// Whether nearly all boards face the same way: such views fit several lenses.
@@ -220,7 +222,7 @@ std::vector<LensGuess> lenses_in_model(const ProblemCamera& camera, const std::v
 /// A lens on more views, those that fit it.
 LensVector lens_on_more(ModelId model, ImageSize size, std::span<const PointsInView> views, const LensGuess& guess) {
   const LensFunctions lens = lens_functions(model);
-  const double threshold = std::clamp(5.0 * guess.score_px, kFit_px, 50.0);
+  const double threshold = fit_threshold(guess.score_px);
   LensGuess last;
   last.parameters = guess.parameters;
   std::vector<PointsInView> fitting;

@@ -74,28 +74,28 @@ LensGuess posed_anew(const LensGuess& guess, const std::vector<PointsInView>& vi
   return guess_with(guess.parameters[kAlpha], guess.parameters[0], centre, views, frames, iterations);
 }
 
-/// What is known of any lens before it is seen, as weak priors; `bent` frees the polynomial and the aspect ratio.
+/// What is known of any lens before it is seen, as priors of about a pixel's weight; `bent` frees the polynomial and the
+/// aspect ratio.
 LensBundleOptions search_options(ImageSize size, double scale_px, bool bent) {
   LensBundleOptions options;
   options.scale_px = scale_px;
   options.prior_mean.setZero(start_lens_functions().parameters);
   options.prior_weight.setZero(start_lens_functions().parameters);
-  const double centre_weight = 10.0 / size.width;
+  constexpr double kHeld = 1e4;
+  const double centre_weight = 10.0 / size.width;  // within a tenth of the width
   options.prior_mean.segment<2>(2) << 0.5 * (size.width - 1), 0.5 * (size.height - 1);
   options.prior_weight.segment<2>(2).setConstant(centre_weight);
-  options.prior_mean[kAlpha] = 0.4;
+  options.prior_mean[kAlpha] = 0.4;  // in the middle of rectilinear (0) and equisolid (0.7), by a third
   options.prior_weight[kAlpha] = 3.0;
-  options.prior_weight.tail<2>().setConstant(bent ? 3.0 : 1e4);
-  options.aspect_weight = bent ? 20.0 : 1e4;
+  options.prior_weight.tail<2>().setConstant(bent ? 3.0 : kHeld);
+  options.aspect_weight = bent ? 20.0 : kHeld;  // within 5 %
   return options;
 }
-
-double loss_scale_px(const LensGuess& guess) { return std::max(1.5, 4.0 * guess.score_px); }
 
 /// Whether it has come to rest before the iterations were over.
 bool refine(const std::vector<PointsInView>& views, ImageSize size, bool bent, int iterations, LensGuess& guess,
             double last_decrease = LensBundleOptions{}.last_decrease) {
-  LensBundleOptions options = search_options(size, loss_scale_px(guess), bent);
+  LensBundleOptions options = search_options(size, guess.loss_scale_px(), bent);
   options.max_iterations = iterations;
   options.last_decrease = last_decrease;
   const LensBundleSummary summary = refine_lens(start_lens_functions(), views, options, guess.parameters, guess.poses);
@@ -195,7 +195,7 @@ std::optional<LensGuess> search_lens_quickly(const std::vector<PointsInView>& vi
   for (int round = 0; round < 3; ++round) {
     const LensGuess before = best;
     const bool rests = refine(views, size, true, 8, best, kQuickDecrease);
-    const bool next_is_the_same = rests && loss_scale_px(best) > 0.98 * loss_scale_px(before);
+    const bool next_is_the_same = rests && best.loss_scale_px() > 0.98 * before.loss_scale_px();
     if (next_is_the_same || best.score_px > 0.98 * before.score_px) break;
   }
   if (!(best.score_px <= good_fit_px(size))) return std::nullopt;
@@ -203,7 +203,7 @@ std::optional<LensGuess> search_lens_quickly(const std::vector<PointsInView>& vi
 }
 
 double focal_uncertainty(const std::vector<PointsInView>& views, ImageSize size, const LensGuess& guess) {
-  LensBundleOptions options = search_options(size, loss_scale_px(guess), false);
+  LensBundleOptions options = search_options(size, guess.loss_scale_px(), false);
   options.max_iterations = 0;
   options.with_information = true;
   LensVector parameters = guess.parameters;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -14,6 +15,9 @@ struct LensGuess {
   LensVector parameters;
   std::vector<Rigid3> poses;  ///< camera_from_target, aligned with the views
   double score_px = 0.0;      ///< how far corners are off, without the worst corners and views
+
+  /// Of a robust loss: right corners of a lens that is not yet right lie within it.
+  double loss_scale_px() const { return std::max(1.5, 4.0 * score_px); }
 };
 
 /// How well a lens and its poses explain the views [px]: mean over the best 70 % of views of the mean over the best

@@ -49,12 +49,13 @@ void fit_focal_lengths(const LensFunctions& lens, const PointsInView& samples, L
   }
 }
 
-double share_of_fit(const LensFunctions& lens, const PointsInView& samples, const LensVector& parameters,
-                    double scale_px) {
+// Each distance counts up to `most_px`.
+double mean_distance_px(const LensFunctions& lens, const PointsInView& samples, const LensVector& parameters,
+                        double most_px) {
   std::vector<double> distances;
   pixel_distances(lens, parameters.data(), samples, Rigid3{}, distances);
   double cost = 0.0;
-  for (const double distance : distances) cost += std::min(distance, scale_px);
+  for (const double distance : distances) cost += std::min(distance, most_px);
   return cost / static_cast<double>(distances.size());
 }
 
@@ -67,8 +68,8 @@ LensBundleOptions model_options(ModelId model, const LensVector& mean, double sc
   const LensVector neutral = starting_shapes(model).front();
   options.prior_mean.tail(neutral.size()) = neutral;
   options.prior_weight = LensVector::Zero(mean.size());
-  options.prior_weight.tail(neutral.size()).setConstant(0.3);
-  options.aspect_weight = 10.0;
+  options.prior_weight.tail(neutral.size()).setConstant(0.3);  // coefficients are of the size of 1, seldom of 3
+  options.aspect_weight = 10.0;                                // pixels are square within 10 %
   return options;
 }
 
@@ -104,8 +105,8 @@ LensVector fit_model(ModelId model, const PointsInView& field, const LensVector&
   double best_cost = std::numeric_limits<double>::infinity();
   for (const LensVector& shape : starting_shapes(model)) {
     const LensVector parameters = fit_from(model, lens, samples, guess_fx_fy_cx_cy, shape, zeros);
-    const double cost = share_of_fit(lens, samples, parameters, 20.0);
-    if (cost < best_cost) {
+    const double cost = mean_distance_px(lens, samples, parameters, 20.0);
+    if (best.size() == 0 || cost < best_cost) {
       best_cost = cost;
       best = parameters;
     }

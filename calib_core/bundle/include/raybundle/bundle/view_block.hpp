@@ -72,7 +72,8 @@ struct ViewBlock {
 /// meaningful. No corner ever gets a made-up residual.
 bool linearize_view(const ViewData& view, const ViewPoint& point, const ViewBlockOptions& options, ViewBlock& block);
 
-/// The products [J r]ᵀ[J r] of the rows that linearize_view() makes, without the rows; both triangles.
+/// The products [J r]ᵀ[J r] of the rows that linearize_view() makes, without the rows; both triangles. The row that a
+/// robust loss adds for its cost does not count.
 ///
 /// Columns: intrinsics, motion of rig_from_target, [bend_x, bend_y, twist,] residual, motion of camera_from_rig.
 ///

@@ -23,7 +23,7 @@ namespace raybundle {
 ///
 /// Noise and field are rounded, so that a solve from elsewhere weighs alike.
 ///
-/// @param problem  its lens_priors are replaced; a camera whose corners show no noise has none, nor a rational
+/// @param problem  its lens_priors are replaced; a camera without views has none, nor a rational
 ///                 lens whose corners show no field
 /// @return         whether they changed
 bool weigh_lens_priors(CalibrationProblem& problem, const BundleState& state);

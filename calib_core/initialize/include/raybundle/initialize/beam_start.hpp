@@ -40,8 +40,8 @@ struct BeamStart {
 ///
 /// Columns count along the image's x of the first camera, rows along y, as near as the lattice's own steps come to it.
 ///
-/// @throws Error(kNotEnoughData) when too few dots in too few poses line up, when the lattice does not fit into the
-///         grid, or the anchor is not near a labelled dot; the message says which
+/// @throws Error(kNotEnoughData) when too few dots in too few poses line up, or when the lattice does not fit into
+///         the grid; Error(kBadInput) when the anchor is not near a labelled dot; the message says which
 BeamStart initialize_beams(const LaserScene& scene);
 
 }  // namespace raybundle

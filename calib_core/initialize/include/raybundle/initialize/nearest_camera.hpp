@@ -11,7 +11,8 @@ namespace raybundle {
 /// The camera of another model that puts rays nearest, in least squares, to where a camera has them. Its own frame
 /// stays: no turn is taken out, so that the rig stays where it is.
 ///
-/// @param rays   of the camera, see rays_over_image; those that the model cannot see at all do not count
+/// @param rays   of the camera, see rays_over_image. Leave out those that the model has no place for, as beyond 90 degrees
+///               for a rational one: with them what is returned is a robust fit of some rays, pixels off
 /// @param camera  that they are of
 /// @param zeros  indices of parameters of the model that are held at zero
 Camera nearest_camera(const std::vector<PixelRay>& rays, const Camera& camera, ModelId model,
