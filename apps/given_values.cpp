@@ -39,6 +39,12 @@ void keep_at_start(const Calibration& start, CalibrationProblem& problem) {
   std::ranges::move(values, std::back_inserter(problem.rules));
 }
 
+// The rig frame of a solve is that of its first camera, which may be another one than the start's.
+void refer_to_first_camera(const CalibrationProblem& problem, Calibration& start) {
+  const Rigid3 rig_from_first = camera_named(start, problem.cameras.front().name).camera_from_rig.inverse();
+  for (RigCamera& camera : start.cameras) camera.camera_from_rig = camera.camera_from_rig * rig_from_first;
+}
+
 // Whether the parameters are the same for the solve.
 bool same(const std::vector<ParameterBlock>& a, const std::vector<ParameterBlock>& b) {
   for (std::size_t k = 0; k < a.size(); ++k) {
@@ -53,7 +59,8 @@ bool same(const std::vector<ParameterBlock>& a, const std::vector<ParameterBlock
 }  // namespace
 
 void take_start(const std::string& path, CalibrationProblem& problem) {
-  const Calibration start = read_calibration(path).calibration;
+  Calibration start = read_calibration(path).calibration;
+  refer_to_first_camera(problem, start);
   for (ProblemCamera& camera : problem.cameras) {
     const RigCamera& known = camera_named(start, camera.name);
     if (known.camera.model != camera.model) {

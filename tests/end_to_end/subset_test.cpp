@@ -64,6 +64,25 @@ TEST_F(Subsets, ExtrinsicsOnlyFromAnEarlierCalibration) {
   EXPECT_FALSE(camera_in(after, "left").at("sigmas").contains("fx")) << "a fixed parameter has no sigma";
 }
 
+// A rig frame is that of the first camera, which need not be the first of the start: left on top of right was the
+// answer once.
+TEST_F(Subsets, KeptExtrinsicsAreThoseOfTheStartWhicheverCameraComesFirst) {
+  calibrate(place, with(all, kBrown));
+  const fs::path again = fresh_folder() / "again";
+  fs::create_directories(again);
+  write_text(again / "start.json", calibration().dump());
+  const std::vector<std::string> swapped{all[0], all[1], all[4], all[5], all[2], all[3]};
+  calibrate(again, with(swapped, {"--model", "brown_conrady", "--start", (again / "start.json").string(), "--fix",
+                                  "*.camera_from_rig"}));
+  const nlohmann::json after = json_of(again / "out" / "calibration.json");
+  ASSERT_EQ(after.at("cameras")[0].at("name"), "right");
+  EXPECT_NEAR(baseline_m(after, "left", "right"), baseline_m(calibration(), "left", "right"), 1e-9);
+  const auto rms_px = [](const nlohmann::json& of) {
+    return camera_in(of, "left").at("residuals").at("rms_px").get<double>();
+  };
+  EXPECT_NEAR(rms_px(after), rms_px(calibration()), 0.01);
+}
+
 // Boards keep their shape, and values that the corners contradict are named as those that were typed.
 TEST_F(Subsets, WhatIsKeptWithoutAValueHasThatOfTheStart) {
   calibrate(place, with(all, kBrown));
