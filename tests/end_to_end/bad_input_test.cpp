@@ -169,6 +169,13 @@ TEST_F(BadInput, TwoBoardsThatImagesDoNotTellApart) {
   };
   refuses_boards(chessboard("a", nine) + chessboard("b", eight), {"'a' from 'b'", "ChArUco"});
   refuses_boards(tags + tags + "first_tag = 35\n", {"'board' from 'board2'", "the same markers"});
+  // OpenCV's dictionary of 50 codes is the beginning of the one of 100, and 36h11 the same in both kinds of boards.
+  const auto charuco = [](const std::string& dictionary) {
+    return "[[target]]\nkind = \"charuco\"\ncolumns = 8\nrows = 6\nsquare_m = 0.03\nmarker_m = 0.02\ndictionary = \"" +
+           dictionary + "\"\n";
+  };
+  refuses_boards(charuco("DICT_4X4_50") + charuco("DICT_4X4_100"), {"'board' from 'board2'", "the same markers"});
+  refuses_boards(tags + "border_bits = 1\n" + charuco("DICT_APRILTAG_36h11"), {"the same markers"});
   refuses_boards(chessboard("a", nine) + chessboard("a", nine), {"dataset.toml:7", "two [[target]] are called 'a'"});
 }
 
