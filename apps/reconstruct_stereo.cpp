@@ -66,6 +66,11 @@ std::vector<StereoMoment> moments_of(const std::vector<ImageFile>& left, const s
                                      const std::vector<ImageFile>& lit) {
   if (left.size() == 1 && right.size() == 1) {
     warn_of_other_moment(left[0].path, right[0].path);
+    if (lit.size() > 1) {
+      throw Error(ErrorKind::kBadInput,
+                  fmt::format("--laser names {} images, {} and others, for one pair; name the one of its moment",
+                              lit.size(), lit[0].path));
+    }
     return {{fs::path(left[0].path).stem().string(), left[0].path, right[0].path,
              lit.size() == 1 ? lit[0].path : std::string()}};
   }
@@ -78,6 +83,9 @@ std::vector<StereoMoment> moments_of(const std::vector<ImageFile>& left, const s
   }
   warn_of_lonely(left, moments.size(), "left", "right");
   warn_of_lonely(right, moments.size(), "right", "left");
+  const auto with_laser =
+      std::ranges::count_if(moments, [](const StereoMoment& moment) { return !moment.lit.empty(); });
+  warn_of_lonely(lit, static_cast<std::size_t>(with_laser), "laser", "left and right");
   return moments;
 }
 
@@ -143,7 +151,9 @@ void add_stereo_reconstruction(CLI::App& reconstruct) {
   verb->add_option("calibration", flags->calibration, "calibration.json")->required()->type_name("CALIBRATION");
   verb->add_option("left", flags->left, "image, pattern in quotes, folder or video")->required()->type_name("LEFT");
   verb->add_option("right", flags->right, "the same moments from the right")->required()->type_name("RIGHT");
-  verb->add_option("-o,--output", flags->output, "folder to write")->type_name("DIR")->required();
+  verb->add_option("-o,--output", flags->output, "folder to write; frames of a former run in it are removed")
+      ->type_name("DIR")
+      ->required();
   declare_stereo_flags(*verb, flags->stereo);
   verb->add_option("--vehicle", flags->vehicle,
                    "where the pair is in a car: tells seat and head (docs/formats/stereo.md)")

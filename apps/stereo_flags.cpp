@@ -70,9 +70,18 @@ CameraPair camera_pair(const Calibration& calibration, const RectifyFlags& flags
     throw Error(ErrorKind::kBadInput,
                 fmt::format("which two of the {} cameras? Say --left NAME --right NAME", calibration.cameras.size()));
   }
-  const RigCamera& left = flags.left.empty() ? calibration.cameras[0] : camera_named(calibration, flags.left);
-  const RigCamera& right = flags.right.empty() ? calibration.cameras[1] : camera_named(calibration, flags.right);
-  return {left, right};
+  if (!flags.left.empty() && flags.left == flags.right) {
+    throw Error(ErrorKind::kBadInput, "--left and --right are both '" + flags.left + "'; name two cameras");
+  }
+  const auto other_than = [&](const std::string& name) -> const RigCamera& {
+    return calibration.cameras[calibration.cameras[0].name == name ? 1 : 0];
+  };
+  if (!flags.left.empty() && !flags.right.empty()) {
+    return {camera_named(calibration, flags.left), camera_named(calibration, flags.right)};
+  }
+  if (!flags.left.empty()) return {camera_named(calibration, flags.left), other_than(flags.left)};
+  if (!flags.right.empty()) return {other_than(flags.right), camera_named(calibration, flags.right)};
+  return {calibration.cameras[0], calibration.cameras[1]};
 }
 
 std::string rectification_text(const Rectification& pair) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stereo_frame_files.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -47,6 +48,18 @@ std::string png_of_values(const StereoFrame& frame, Value&& value) {
   return png_from(image);
 }
 
+// The step of the disparity image: 1/256 px, or the finest twice, four times, ... as coarse in which 16 bits hold all
+// disparities of the frame.
+double disparity_step_px(ImageView<const float> disparity_px) {
+  float most_px = 0;
+  for (int v = 0; v < disparity_px.height; ++v) {
+    for (int u = 0; u < disparity_px.width; ++u) most_px = std::max(most_px, disparity_px.at(u, v));
+  }
+  double step_px = 1.0 / 256;
+  while (std::round(most_px / step_px) > 65535) step_px *= 2;
+  return step_px;
+}
+
 nlohmann::ordered_json rectification_json(const Rectification& pair) {
   constexpr double kDegrees = 180.0 / M_PI;
   nlohmann::ordered_json json;
@@ -87,6 +100,8 @@ StereoFrameFiles stereo_frame_files(const StereoFrame& frame, const StereoMatche
   for (int kind = 0; kind < kMatchKinds; ++kind) {
     json["pixels"][std::string(match_name(static_cast<Match>(kind)))] = kinds[static_cast<std::size_t>(kind)];
   }
+  const double step_px = disparity_step_px(frame.disparity_px());
+  json["disparity_step_px"] = step_px;
   json["depth"] = projection == RectifiedProjection::kPinhole ? "z" : "distance";
   if (!depths.empty()) {
     json["depth_m"] = {{"p05", quantile(depths, 0.05)}, {"median", median(depths)}, {"p95", quantile(depths, 0.95)}};
@@ -97,7 +112,7 @@ StereoFrameFiles stereo_frame_files(const StereoFrame& frame, const StereoMatche
   json.update(more);
   return {png_of_view(frame.left),
           png_of_view(frame.right),
-          png_of_values(frame, [&](int u, int v) { return 256.0 * frame.disparity_px().at(u, v); }),
+          png_of_values(frame, [&](int u, int v) { return frame.disparity_px().at(u, v) / step_px; }),
           png_of_values(frame, [&](int u, int v) { return 1000.0 * depth_of(frame.points.at(u, v), projection); }),
           stereo_ply(frame),
           text_of_json(json, 1) + "\n"};

@@ -17,7 +17,7 @@ namespace raybundle::apps {
 struct StereoFrameFiles {
   std::string left_png;       ///< rectified
   std::string right_png;      ///< rectified
-  std::string disparity_png;  ///< 16 bits [1/256 px], 0: no match
+  std::string disparity_png;  ///< 16 bits [disparity_step_px of the JSON: 1/256 px up to 255 px], 0: no match
   std::string depth_png;      ///< 16 bits [mm], 0: no point
   std::string ply;            ///< binary: points with sigma and grey value
   std::string json;

@@ -61,7 +61,9 @@ StereoFrameInput::StereoFrameInput(const std::string& path, bool pictures) {
     state_ = state_named(json.at("state").get<std::string>());
     rectification = rectification_of(json.at("rectification"), path);
     nearest_m = json.at("nearest_m");
+    disparity_step_px_ = json.value("disparity_step_px", disparity_step_px_);
     matched_ = json.at("pixels").at("matched");
+    if (!(disparity_step_px_ > 0 && disparity_step_px_ <= 1)) damaged(path, "holds an impossible disparity_step_px");
   });
   const std::string stem = fs::path(path).replace_extension().string();
   name = fs::path(stem).filename().string();
@@ -69,7 +71,7 @@ StereoFrameInput::StereoFrameInput(const std::string& path, bool pictures) {
   if (!pictures) return;
   left_ = picture(stem + "_left.png", CV_8U);
   right_ = picture(stem + "_right.png", CV_8U);
-  picture(stem + "_disparity.png", CV_16U).convertTo(disparity_px_, CV_32F, 1.0 / 256.0);
+  picture(stem + "_disparity.png", CV_16U).convertTo(disparity_px_, CV_32F, disparity_step_px_);
 }
 
 // The rays of the points say which pixels they belong to.

@@ -32,6 +32,7 @@ class StereoFrameInput {
   State state_ = State::kInvalid;
   std::vector<StereoPoint> points_;
   int matched_ = 0;
+  double disparity_step_px_ = 1.0 / 256;
   cv::Mat left_, right_, disparity_px_;
 };
 

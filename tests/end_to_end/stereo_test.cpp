@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
 #include "browser.hpp"
@@ -238,6 +239,60 @@ TEST(ReconstructStereo, LaserDotsFillWhatHasNoTexture) {
   EXPECT_EQ(second.at("laser").at("filled"), with.at("laser").at("filled"));
   EXPECT_EQ(mixed.exit_code, 2);
   EXPECT_NE(mixed.err.find("is a video, and others are images"), std::string::npos) << mixed.err;
+}
+
+// Two equal cameras side by side, by Kalibr's file; the folder holds pair.json.
+fs::path pair_of_long_lenses() {
+  const fs::path folder = fresh_folder();
+  const std::string lens =
+      "  camera_model: pinhole\n  intrinsics: [1600, 1600, 449.5, 99.5]\n  distortion_model: radtan\n"
+      "  distortion_coeffs: [0, 0, 0, 0]\n  resolution: [900, 200]\n";
+  write_text(folder / "pair.yaml", "cam0:\n" + lens + "cam1:\n" + lens +
+                                       "  T_cn_cnm1:\n  - [1, 0, 0, -0.2]\n  - [0, 1, 0, 0]\n  - [0, 0, 1, 0]\n"
+                                       "  - [0, 0, 0, 1]\n");
+  const ProgramRun run =
+      raybundle_program({"import", (folder / "pair.yaml").string(), "-o", (folder / "pair.json").string()});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  return folder;
+}
+
+// 16 bits of 1/256 px end at 256 px: what was nearer was missing in the image.
+TEST(ReconstructStereo, DisparitiesOfHundredsOfPixelsAreWrittenInCoarserSteps) {
+  const fs::path folder = pair_of_long_lenses();
+  cv::Mat left(200, 900, CV_8U), right(200, 900, CV_8U, cv::Scalar(0));
+  cv::theRNG().state = 3;
+  cv::randu(left, 0, 256);
+  cv::GaussianBlur(left, left, {5, 5}, 1.0);
+  left.colRange(320, 900).copyTo(right.colRange(0, 580));  // a wall at 1 m
+  cv::imwrite((folder / "left1.png").string(), left);
+  cv::imwrite((folder / "right1.png").string(), right);
+  const ProgramRun run =
+      raybundle_program({"reconstruct", "stereo", (folder / "pair.json").string(), (folder / "left1.png").string(),
+                         (folder / "right1.png").string(), "-o", (folder / "points").string(), "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json json = nlohmann::json::parse(run.out);
+  const double step_px = json.at("disparity_step_px"), focal_px = json.at("rectification").at("focal_px");
+  EXPECT_EQ(step_px, 1.0 / 128);
+  const cv::Mat steps = cv::imread((folder / "points" / "left1_disparity.png").string(), cv::IMREAD_UNCHANGED);
+  const cv::Mat matched = steps > 0;
+  EXPECT_GT(cv::countNonZero(matched), 50000);
+  EXPECT_NEAR(step_px * cv::mean(steps, matched)[0], 320 * focal_px / 1600, 0.5);
+}
+
+TEST(ReconstructStereo, TheCameraThatIsNotNamedIsTheOther) {
+  const fs::path folder = pair_of_long_lenses();
+  const auto run = [&](const std::vector<std::string>& flags) {
+    std::vector<std::string> words{"export", (folder / "pair.json").string(), "--rectification",
+                                   (folder / "maps").string()};
+    words.insert(words.end(), flags.begin(), flags.end());
+    return raybundle_program(words);
+  };
+  const ProgramRun right = run({"--right", "cam1"}), exchanged = run({"--left", "cam1"});
+  EXPECT_EQ(right.exit_code, 0) << right.err;
+  EXPECT_NE(exchanged.err.find("swap the two: --left cam0 --right cam1"), std::string::npos) << exchanged.err;
+  const ProgramRun same = run({"--left", "cam1", "--right", "cam1"});
+  EXPECT_EQ(same.exit_code, 2);
+  EXPECT_NE(same.err.find("--left and --right are both 'cam1'"), std::string::npos) << same.err;
 }
 
 TEST(ReconstructStereo, SaysWhatIsWrong) {
