@@ -39,16 +39,55 @@ std::map<std::string, std::vector<std::size_t>> views_by_frame(const Calibration
   return views;
 }
 
-// The image with the laser off is the partner of the one with it on, unless they are the same.
-void find_in(const cv::Mat& on, const std::string& on_path, CalibrationProblem& problem, std::size_t v) {
+// Looks for dots on the board of a view. The image with the laser off is subtracted from the one with it on, unless they
+// are the same.
+//
+// @returns why it could not be subtracted; nothing when it was, or need not be
+std::string find_in(const cv::Mat& on, const std::string& on_path, CalibrationProblem& problem, std::size_t v) {
   TargetView& view = problem.views[v];
   std::string reason;
   const bool same = view.image.empty() || view.image == on_path;
-  const cv::Mat off = same ? cv::Mat() : read_gray(view.image, reason);
+  cv::Mat off = same ? cv::Mat() : read_gray(view.image, reason);
+  if (!off.empty() && off.type() != on.type()) {
+    reason =
+        fmt::format("it has {} bits for a pixel, the one with the laser on {}", 8 * off.elemSize(), 8 * on.elemSize());
+    off.release();
+  }
   DotOptions options;
   options.region = outline_of(view);
-  const bool partner = !off.empty() && off.size() == on.size() && off.type() == on.type();
-  view.dots = find_dots(on, partner ? &off : nullptr, options).dots;
+  view.dots = find_dots(on, off.empty() ? nullptr : &off, options).dots;
+  return reason;
+}
+
+// Dots of which the board's own picture was not taken away are found less well.
+void hint_at_missing_partners(const Dataset& dataset, const std::vector<ImageFile>& files,
+                              const std::vector<std::string>& not_subtracted, DetectedImages& images) {
+  for (int c = 0; c < static_cast<int>(dataset.cameras.size()); ++c) {
+    const auto concerns = [&](std::size_t f) { return files[f].camera == c && !not_subtracted[f].empty(); };
+    int count = 0;
+    std::size_t first = 0;
+    for (std::size_t f = 0; f < files.size(); ++f) {
+      if (concerns(f) && ++count == 1) first = f;
+    }
+    if (count == 0) continue;
+    images.hints.push_back(
+        fmt::format("camera {}: {} images with the laser off could not be subtracted from those with it on, as that of "
+                    "{}: {}; take both with the same settings",
+                    dataset.cameras[c].name, count, files[first].path, not_subtracted[first]));
+  }
+}
+
+// A moment has one image with the laser off and one with it on: videos have no names by which their frames are paired.
+void refuse_videos(int camera, const std::vector<ImageFile>& lit, const DetectedImages& images) {
+  const auto is_its_video = [&](const ImageFile& file) { return file.camera == camera && file.video; };
+  for (const std::vector<ImageFile>& files : {lit, images.files}) {
+    const auto video = std::ranges::find_if(files, is_its_video);
+    if (video == files.end()) continue;
+    throw Error(ErrorKind::kBadInput,
+                "is a video, of a camera with laser_on: save its frames as images, and give those of one moment with "
+                "the laser off and on the same number",
+                video->path);
+  }
 }
 
 // Images with the laser on in which no dot was found on the board: a few miss it, many are no such images.
@@ -98,7 +137,9 @@ void add_dots(const Dataset& dataset, const DetectOptions& options, DetectedImag
   for (int c = 0; c < static_cast<int>(dataset.cameras.size()); ++c) {
     if (dataset.cameras[c].laser_on.empty()) continue;
     const auto views = views_by_frame(problem, c);
-    for (const ImageFile& file : image_files(c, dataset.folder, dataset.cameras[c].laser_on)) {
+    const std::vector<ImageFile> lit = image_files(c, dataset.folder, dataset.cameras[c].laser_on);
+    refuse_videos(c, lit, images);
+    for (const ImageFile& file : lit) {
       const auto found = views.find(file.frame);
       if (found == views.end()) {
         ++alone;
@@ -115,16 +156,25 @@ void add_dots(const Dataset& dataset, const DetectOptions& options, DetectedImag
                     "names differ from those of images in more than one part, as *_on.png and *_off.png?",
                     alone));
   }
-  const std::vector<std::string> reasons =
+  std::vector<std::string> other_size(files.size()), not_subtracted(files.size());
+  std::vector<std::string> reasons =
       for_each_frame(files, options.threads, "finding dots", [&](std::size_t f, const cv::Mat& on, const std::string&) {
-        for (const std::size_t v : views_of_file[f]) find_in(on, files[f].path, problem, v);
+        const ImageSize size = problem.cameras[files[f].camera].size;
+        if (size != ImageSize{on.cols, on.rows}) {
+          other_size[f] = fmt::format("is {}x{} with the laser on, but the camera's images are {}x{}", on.cols, on.rows,
+                                      size.width, size.height);
+          return;
+        }
+        for (const std::size_t v : views_of_file[f]) not_subtracted[f] = find_in(on, files[f].path, problem, v);
       });
+  for (std::size_t f = 0; f < files.size(); ++f) reasons[f] += other_size[f];  // one of them is empty
   for (std::size_t f = 0; f < files.size(); ++f) {
     if (!reasons[f].empty()) {
       images.unused.push_back({dataset.cameras[files[f].camera].name, files[f].frame, files[f].path, reasons[f]});
     }
   }
   hint_at_dark_images(dataset, files, views_of_file, reasons, images);
+  hint_at_missing_partners(dataset, files, not_subtracted, images);
   images.laser_files = files;
   problem.laser = ProblemLaser{dataset.laser->grid, {}, dataset.laser->brightest, dataset.laser->missing};
   if (dataset.laser->anchor) set_anchor(*dataset.laser->anchor, problem);

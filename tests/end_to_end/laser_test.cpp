@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <sstream>
 
 #include "program.hpp"
@@ -181,6 +183,29 @@ TEST(Laser, ImagesGiveTheBeams) {
   ASSERT_GT(distances.size(), 90u);
   EXPECT_LT(distances[distances.size() / 2], 1e-3);
   EXPECT_LT(distances.back(), 0.05);  // no label is wrong: a step of the grid is 15 cm
+}
+
+// Dots of an image of half the size are at half the pixels, and an image of other bits cannot be subtracted.
+TEST(Laser, ImagesThatAreNoPairAreNamed) {
+  const fs::path folder = fresh_folder();
+  ASSERT_EQ(simulate(folder / "sim", {"--frames", "12", "--seed", "7"}).exit_code, 0);
+  const fs::path images = folder / "sim/images/camera";
+  const auto change = [&](const std::string& name, const std::function<void(cv::Mat&)>& how) {
+    cv::Mat image = cv::imread((images / name).string(), cv::IMREAD_UNCHANGED);
+    ASSERT_FALSE(image.empty()) << name;
+    how(image);
+    cv::imwrite((images / name).string(), image);
+  };
+  change("003_on.png", [](cv::Mat& image) { cv::resize(image, image, {}, 0.5, 0.5); });
+  change("004_off.png", [](cv::Mat& image) {
+    image.depth() == CV_8U ? image.convertTo(image, CV_16U, 257) : image.convertTo(image, CV_8U, 1.0 / 257);
+  });
+  const ProgramRun run = raybundle_program(
+      {"detect", (folder / "sim/dataset.toml").string(), "-o", (folder / "observations.json").string()});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find("003_on.png: is "), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("1 images with the laser off could not be subtracted"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("004_on.png: it has "), std::string::npos) << run.err;
 }
 
 // What a calibration knows of fewer beams never permits more power: those it does not know are there all the same.
