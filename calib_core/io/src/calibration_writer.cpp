@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <set>
 #include <string>
 
@@ -29,7 +30,6 @@ void check(const Covariance& covariance) {
   if (covariance.matrix.rows() != count || covariance.matrix.cols() != count) {
     refuse("the covariance matrix and its names differ in size");
   }
-  if (!covariance.matrix.allFinite()) refuse("the covariance holds a number that is not finite");
 }
 
 // A file that cannot be read back is worse than none.
@@ -46,13 +46,24 @@ void check(const CalibrationFile& file) {
   for (const RigCamera& camera : calibration.cameras) {
     if (camera.name.empty()) refuse("a camera has no name; give each camera one");
     if (!names.insert(camera.name).second) refuse("two cameras are called " + camera.name + "; give each its own name");
-    const bool evident = !camera.evidence || camera.evidence->implied_motion.allFinite();
-    if (!camera.camera.parameters.allFinite() || !finite(camera.camera_from_rig) || !evident) {
+    if (!camera.camera.parameters.allFinite() || !finite(camera.camera_from_rig)) {  // its self-test projects points
       refuse("camera " + camera.name + " holds a number that is not finite");
     }
   }
-  if (calibration.laser && !is_complete(*calibration.laser)) {
-    refuse("a laser beam lies outside of the grid or holds a number that is not finite");
+  if (calibration.laser && !beams_lie_in_grid(*calibration.laser)) {
+    refuse("a laser beam lies outside of the grid");
+  }
+}
+
+bool all_finite(const OrderedJson& json) {
+  if (json.is_structured()) return std::ranges::all_of(json, all_finite);
+  return !json.is_number_float() || std::isfinite(json.get<double>());
+}
+
+// What JSON has no word for would become null, which nobody could read back.
+void require_finite(const OrderedJson& json) {
+  for (const auto& [section, content] : json.items()) {
+    if (!all_finite(content)) refuse("the section '" + section + "' holds a number that is not finite");
   }
 }
 
@@ -163,6 +174,7 @@ std::string text_from_calibration(const CalibrationFile& file) {
     json["covariance_by_frame"] = json_from_covariance(*file.calibration.covariance_by_frame);
   }
   if (file.calibration.laser) json["laser"] = json_from_pattern(*file.calibration.laser);
+  require_finite(json);
   return pretty_text(json, {"self_test", "beams"});
 }
 

@@ -3,6 +3,7 @@
 #include "json_laser.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -17,12 +18,15 @@ LaserGrid grid_from(const JsonNode& node) {
   return {node.at("rows").whole_number(1, kMostRows), node.at("columns").whole_number(1, kMostRows)};
 }
 
-/// A number that does not exist becomes null.
+OrderedJson number_or_null(double value) { return std::isfinite(value) ? OrderedJson(value) : OrderedJson(nullptr); }
+
+// Where a beam has no depth at a distance, its numbers are null.
 OrderedJson json_from_depths(const LaserBeam& beam) {
   OrderedJson depths = OrderedJson::array();
   for (std::size_t d = 0; d < kStatedDepths_m.size(); ++d) {
-    depths.push_back(
-        {{"depth_m", kStatedDepths_m[d]}, {"sigma_m", beam.depths[d].sigma_m}, {"per_px_m", beam.depths[d].per_px_m}});
+    depths.push_back({{"depth_m", kStatedDepths_m[d]},
+                      {"sigma_m", number_or_null(beam.depths[d].sigma_m)},
+                      {"per_px_m", number_or_null(beam.depths[d].per_px_m)}});
   }
   return depths;
 }
@@ -193,18 +197,10 @@ LaserPattern pattern_from(const JsonNode& node) {
   return pattern;
 }
 
-bool is_complete(const LaserPattern& pattern) {
-  const auto finite = [](const LaserBeam& beam) {
-    return beam.line.point.allFinite() && beam.line.direction.allFinite() && beam.covariance.allFinite() &&
-           std::isfinite(beam.nearest_hit_m) && std::isfinite(beam.farthest_hit_m);
-  };
-  for (const LaserBeam& beam : pattern.beams) {
-    if (!finite(beam) || beam.row < 0 || beam.row >= pattern.grid.rows || beam.column < 0 ||
-        beam.column >= pattern.grid.columns) {
-      return false;
-    }
-  }
-  return true;
+bool beams_lie_in_grid(const LaserPattern& pattern) {
+  return std::ranges::all_of(pattern.beams, [&](const LaserBeam& beam) {
+    return beam.row >= 0 && beam.row < pattern.grid.rows && beam.column >= 0 && beam.column < pattern.grid.columns;
+  });
 }
 
 OrderedJson json_from_laser(const ProblemLaser& laser) {

@@ -110,10 +110,9 @@ std::vector<VnlImage> images_from(std::string_view text, Vnl& vnl) {
   return images;
 }
 
-bool belongs_to(const VnlImage& image, const VnlCamera& camera) {
-  const bool whole_path = camera.images.find('/') != std::string::npos;
-  return matches_pattern(whole_path ? image.path : std::filesystem::path(image.path).filename().string(),
-                         camera.images);
+bool fits(const VnlImage& image, const std::string& pattern) {
+  const bool whole_path = pattern.find('/') != std::string::npos;
+  return matches_pattern(whole_path ? image.path : std::filesystem::path(image.path).filename().string(), pattern);
 }
 
 // One line stands for an image without a board; otherwise every point of the board has its line.
@@ -133,10 +132,18 @@ TargetView view_from(VnlImage& image, const Target& target, const Vnl& vnl) {
 
 void add_camera(const VnlCamera& camera, std::vector<VnlImage>& images, const Target& target, const Vnl& vnl,
                 NameList& frames, CalibrationProblem& problem) {
+  for (const std::string& pattern : camera.images) {
+    if (std::ranges::any_of(images, [&](const VnlImage& image) { return fits(image, pattern); })) continue;
+    throw Error(ErrorKind::kBadInput,
+                "no image matches " + in_quotes(pattern) + " of camera " + in_quotes(camera.name) +
+                    "; the first image of the file is " + in_quotes(images.front().path),
+                vnl.name);
+  }
   std::vector<std::string> paths;
   std::vector<VnlImage*> chosen;
   for (VnlImage& image : images) {
-    if (!belongs_to(image, camera)) continue;
+    const auto fits_image = [&](const std::string& pattern) { return fits(image, pattern); };
+    if (std::ranges::none_of(camera.images, fits_image)) continue;
     if (!image.camera.empty()) {
       throw Error(ErrorKind::kBadInput,
                   "image " + in_quotes(image.path) + " matches both camera " + in_quotes(image.camera) +
@@ -146,12 +153,6 @@ void add_camera(const VnlCamera& camera, std::vector<VnlImage>& images, const Ta
     image.camera = camera.name;
     paths.push_back(image.path);
     chosen.push_back(&image);
-  }
-  if (chosen.empty()) {
-    throw Error(ErrorKind::kBadInput,
-                "no image matches " + in_quotes(camera.images) + " of camera " + in_quotes(camera.name) +
-                    "; the first image of the file is " + in_quotes(images.front().path),
-                vnl.name);
   }
   const std::vector<std::string> names = frame_names(paths);
   for (std::size_t i = 0; i < chosen.size(); ++i) {

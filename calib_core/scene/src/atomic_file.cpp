@@ -46,6 +46,16 @@ bool write_all(int descriptor, const std::vector<std::string_view>& pieces) {
   return true;
 }
 
+// What is written through a link goes to the file behind it, as with any program: others read it there.
+fs::path behind_links(fs::path path) {
+  constexpr int kMostLinks = 40;  // one after the other: Linux follows no more
+  std::error_code ignored;
+  for (int i = 0; i < kMostLinks && fs::is_symlink(path, ignored); ++i) {
+    path = path.parent_path() / fs::read_symlink(path, ignored);
+  }
+  return path;
+}
+
 // Bytes on their way to a path. Where the file system can, the file has no name until it is whole, so that not even a
 // killed program leaves a part of it behind; elsewhere it has a temporary one.
 class PendingFile {
@@ -109,7 +119,7 @@ void write_files_whole(const std::vector<WholeFile>& files) {
       devices.push_back(&file);
       continue;
     }
-    pending.push_back(std::make_unique<PendingFile>(file.path));
+    pending.push_back(std::make_unique<PendingFile>(behind_links(file.path)));
     pending.back()->write(file.pieces);
   }
   for (const auto& file : pending) file->name();

@@ -106,6 +106,10 @@ TEST(CalibrationFile, WritesWholeFilesOnly) {
   CalibrationFile broken = full_calibration();
   broken.calibration.cameras[0].camera.parameters[0] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(message_of([&] { write_calibration(path, broken); }), HasSubstr("not finite; nothing was written"));
+  broken = full_calibration();
+  broken.rms_px = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(message_of([&] { write_calibration(path, broken); }),
+              HasSubstr("'residuals' holds a number that is not"));
   EXPECT_EQ(text_from_calibration(read_calibration(path)), text_from_calibration(full_calibration()));
   std::filesystem::remove(path);
   EXPECT_THAT(message_of([&] { read_calibration(path); }, ErrorKind::kIo), HasSubstr("there is no such file"));

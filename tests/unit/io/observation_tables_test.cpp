@@ -80,7 +80,7 @@ TEST(ObservationCsv, EveryComplaintNamesTheLine) {
 }
 
 std::vector<VnlCamera> vnl_cameras() {
-  return {{"left", "*-cam0.jpg", {640, 480}}, {"right", "*-cam1.jpg", {640, 480}}};
+  return {{"left", {"*-cam0.jpg"}, {640, 480}}, {"right", {"*-cam1.jpg"}, {640, 480}}};
 }
 
 std::string vnl_image(const std::string& name, const std::vector<std::string>& rows) {
@@ -141,17 +141,28 @@ TEST(ObservationVnl, EveryComplaintNamesTheLine) {
       vnl_message(vnl_image("1-cam0.jpg", kVnlRows)),
       HasSubstr("no image matches '*-cam1.jpg' of camera 'right'; the first image of the file is '1-cam0.jpg'"));
   std::vector<VnlCamera> both = vnl_cameras();
-  both[1].images = "*";
+  both[1].images = {"*"};
   EXPECT_THAT(
       message_of([&] { observations_from_vnl_text(good, "c.vnl", board(), both); }),
       HasSubstr("image '1-cam0.jpg' matches both camera 'left' and camera 'right'; make the patterns narrower"));
+}
+
+// Of a camera whose images lie in several folders, those of the first were taken once and the others left out.
+TEST(ObservationVnl, ACameraMayHaveSeveralPatterns) {
+  const std::string text = vnl_image("day1/1-cam0.jpg", kVnlRows) + vnl_image("day2/2-cam0.jpg", kVnlRows);
+  const auto views = [&](const std::vector<std::string>& patterns) {
+    return observations_from_vnl_text(text, "c.vnl", board(), {{"left", patterns, {640, 480}}}).views.size();
+  };
+  EXPECT_EQ(views({"day1/*", "day2/*"}), 2u);
+  EXPECT_EQ(views({"day1/*"}), 1u);
+  EXPECT_THAT(message_of([&] { views({"day1/*", "day3/*"}); }), HasSubstr("no image matches 'day3/*'"));
 }
 
 TEST(ObservationVnl, ReadsAFileThatMrcalMade) {
   const auto path = testing::real_data("mrcal_ultrawide/synthetic-board-observations.vnl");
   if (!std::filesystem::exists(path))
     GTEST_SKIP() << "there is no " << path << "; set RAYBUNDLE_DATA to read real data";
-  const std::vector<VnlCamera> cameras{{"cam0", "*-cam0.xxx", {6000, 3376}}, {"cam1", "*-cam1.xxx", {6000, 3376}}};
+  const std::vector<VnlCamera> cameras{{"cam0", {"*-cam0.xxx"}, {6000, 3376}}, {"cam1", {"*-cam1.xxx"}, {6000, 3376}}};
   const CalibrationProblem problem = read_observations_vnl(path, grid_target("board", 10, 10, 0.1), cameras);
   EXPECT_EQ(problem.frames, (std::vector<std::string>{"0", "1", "2"}));  // made with 3 frames of a 10x10 board
   ASSERT_EQ(problem.views.size(), 6u);

@@ -47,6 +47,19 @@ TEST_F(AtomicFile, TakesAPlainNameInTheWorkingFolder) {
   EXPECT_EQ(content_of(folder_ / "plain"), "x");
 }
 
+// current.json -> v12.json: who reads v12.json has to find what was written.
+TEST_F(AtomicFile, WritesWhereALinkLeads) {
+  write_file_whole(folder_ / "v12", "old");
+  fs::create_symlink("v12", folder_ / "current");
+  fs::create_symlink(folder_ / "current", folder_ / "latest");
+  write_file_whole(folder_ / "latest", "new");
+  EXPECT_EQ(content_of(folder_ / "v12"), "new");
+  EXPECT_TRUE(fs::is_symlink(folder_ / "latest") && fs::is_symlink(folder_ / "current"));
+  fs::create_symlink("to be", folder_ / "dangling");
+  write_file_whole(folder_ / "dangling", "x");
+  EXPECT_EQ(content_of(folder_ / "to be"), "x");
+}
+
 TEST_F(AtomicFile, FailsNamingThePathAndLeavesNothingBehind) {
   fs::create_directories(folder_ / "taken");
   for (const fs::path& path : {folder_ / "no such folder" / "file", folder_ / "taken"}) {

@@ -27,7 +27,7 @@ CalibrationProblem read_observations_csv(const std::filesystem::path& path, cons
 /// Which images of a corners.vnl belong to a camera.
 struct VnlCamera {
   std::string name;
-  std::string images;  ///< pattern with * and ? for the image path, or for its file name when it has no slash
+  std::vector<std::string> images;  ///< patterns with * and ? for the image path, or its file name when without slash
   ImageSize size;
 };
 
