@@ -3,12 +3,17 @@
 #include "dataset.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
+#include <string_view>
 
+#include "beam_grid.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/scene/csv.hpp"
 #include "raybundle/scene/number.hpp"
@@ -28,13 +33,9 @@ DatasetCamera camera_from(TomlReader& reader) {
 }
 
 LaserGrid grid_from(const std::string& word, const TomlReader& reader) {
-  constexpr int kMost = 64;
-  const auto [columns, rows] = two_numbers_from<int>(word, 'x').value_or(std::array{0, 0});
-  if (columns < 1 || rows < 1 || columns > kMost || rows > kMost) {
-    reader.fail(nullptr,
-                fmt::format("[laser].grid is '{}', but must be COLUMNSxROWS of beams up to 64x64, as \"11x11\"", word));
-  }
-  return {rows, columns};
+  if (const std::optional<LaserGrid> grid = beam_grid_from_word(word, 1)) return *grid;
+  reader.fail(nullptr,
+              fmt::format("[laser].grid is '{}', but must be COLUMNSxROWS of beams up to 64x64, as \"11x11\"", word));
 }
 
 int beam_from(const toml::node& node, const LaserGrid& grid, const TomlReader& reader) {
@@ -141,14 +142,37 @@ double number(const std::string& text, const std::string& flag) {
   return *value;
 }
 
+// Whether `name` is `theirs`, or a part of it as people say it: equi of pinhole-equi, opencv8 of LENSMODEL_OPENCV8.
+bool is_called(std::string_view name, std::string_view theirs) {
+  const auto same = [](char a, char b) { return std::tolower(std::uint8_t(a)) == std::tolower(std::uint8_t(b)); };
+  const auto separates = [](char c) { return c == '-' || c == '_'; };
+  if (name.empty() || name.size() > theirs.size()) return false;
+  const std::string_view head = theirs.substr(0, name.size()), tail = theirs.substr(theirs.size() - name.size());
+  const bool starts = std::ranges::equal(name, head, same), ends = std::ranges::equal(name, tail, same);
+  if (name.size() == theirs.size()) return starts;
+  return (starts && separates(theirs[name.size()])) || (ends && separates(theirs[theirs.size() - name.size() - 1]));
+}
+
+// Our models that another program or library calls by this name: plumb_bob, pinhole-equi, fisheye.
+std::vector<std::string> models_called_elsewhere(std::string_view name) {
+  std::vector<std::string> ours;
+  for (std::string_view known : model_names()) {
+    const auto called = [&](const ForeignName& foreign) { return is_called(name, foreign.name); };
+    if (std::ranges::any_of(foreign_names(*model_named(known)), called)) ours.emplace_back(known);
+  }
+  return ours;
+}
+
 }  // namespace
 
 ModelId model_from_name(const std::string& name, const std::string& where) {
   if (const std::optional<ModelId> model = model_named(name)) return *model;
   std::vector<std::string> names;
   for (std::string_view known : model_names()) names.emplace_back(known);
-  throw Error(ErrorKind::kBadInput, fmt::format("there is no camera model '{}'.{}", name, did_you_mean(name, names)),
-              where);
+  const std::vector<std::string> meant = models_called_elsewhere(name);
+  const std::string hint = meant.empty() ? did_you_mean(name, names)
+                                         : fmt::format(" Here it is called \"{}\".", fmt::join(meant, "\" or \""));
+  throw Error(ErrorKind::kBadInput, fmt::format("there is no camera model '{}'.{}", name, hint), where);
 }
 
 Dataset dataset_from_text(const std::string& text, const std::string& path) {
@@ -220,6 +244,10 @@ ParameterRule rule_from_flag(ParameterRule::Kind kind, const std::string& flag) 
   const std::size_t equals = flag.find('=');
   rule.pattern = flag.substr(0, equals);
   const std::string value = equals == std::string::npos ? "" : flag.substr(equals + 1);
+  if (kind == ParameterRule::Kind::kFree && equals != std::string::npos) {
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("--free '{}' must be a NAME alone, as in left.fx: start values come from --start", flag));
+  }
   if (kind == ParameterRule::Kind::kFixed && !value.empty()) rule.value = number(value, flag);
   if (kind == ParameterRule::Kind::kPrior) {
     const std::size_t colon = value.find(':');

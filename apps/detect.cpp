@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "input_flags.hpp"
+#include "output_folder.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
@@ -37,6 +38,7 @@ std::string found_table(const DetectedImages& images) {
 }
 
 void run(const DetectFlags& flags) {
+  require_writable_file(flags.output, "-o");
   const DetectedImages images = observe(flags.input, dataset_of(flags.input, false));
   require_views(images);
   write_observations(flags.output, images.observations);

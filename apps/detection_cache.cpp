@@ -107,7 +107,7 @@ void write_cached(const std::string& key, const std::vector<CachedFrame>& frames
   std::error_code ignored;
   std::filesystem::create_directories(cache_folder(), ignored);
   try {
-    write_file_whole(entry_path(key), json.dump());
+    write_file_whole(entry_path(key), json.dump(-1, ' ', false, Json::error_handler_t::replace));
   } catch (const Error&) {
     return;
   }

@@ -17,6 +17,7 @@
 #include "raybundle/camera/camera.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/targets/board_kind.hpp"
+#include "raybundle/uncertainty/second_opinion.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 
@@ -72,6 +73,10 @@ std::vector<Missing> missing_things() {
     missing.push_back({"the images of `raybundle demo`", "all else works; ./dev demo unpacks them by itself",
                        "sudo apt-get install opencv-doc"});
   }
+  if (!second_opinion_available()) {
+    missing.push_back({"mrcal", "`calibrate --second-opinion` has nobody to ask",
+                       "sudo apt-get install libmrcal-dev, and build again"});
+  }
   if (!can_be_written(cache_folder())) {
     missing.push_back({"a folder for the detection cache", "every run looks at all images again",
                        "make " + cache_folder() + " writable, or set XDG_CACHE_HOME to a folder that is"});
@@ -79,12 +84,26 @@ std::vector<Missing> missing_things() {
   return missing;
 }
 
+// The cache, and what it holds.
+std::string cache_text() {
+  std::error_code failed;
+  std::size_t images = 0;
+  double bytes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(cache_folder(), failed)) {
+    std::error_code gone;  // another run may be at work
+    const auto size = entry.file_size(gone);
+    if (gone) continue;
+    ++images;
+    bytes += static_cast<double>(size);
+  }
+  if (images == 0) return cache_folder() + " (empty)";
+  return fmt::format("{} ({} images, {:.1f} MB; delete the folder to empty it)", cache_folder(), images, bytes / 1e6);
+}
+
 void run() {
   std::string models, kinds;
   for (std::string_view name : model_names()) models += fmt::format("{}{}", models.empty() ? "" : ", ", name);
   for (const BoardKind& kind : board_kinds()) kinds += (kinds.empty() ? "" : ", ") + kind.name;
-  std::error_code ignored;
-  const bool cached = std::filesystem::exists(cache_folder(), ignored);
   const std::vector<std::pair<std::string, std::string>> rows{
       {"raybundle", RAYBUNDLE_VERSION},
       {"OpenCV", CV_VERSION},
@@ -92,7 +111,7 @@ void run() {
       {"camera models", models},
       {"boards", kinds},
       {"processors", fmt::format("{}", std::thread::hardware_concurrency())},
-      {"detection cache", cache_folder() + (cached ? "" : " (empty)")}};
+      {"detection cache", cache_text()}};
   for (const auto& [what, is] : rows) fmt::print("{:<16} {}\n", what, is);
   const std::vector<Missing> missing = missing_things();
   fmt::print("\n{}\n", missing.empty() ? "nothing is missing" : "missing, though calibrating works without:");

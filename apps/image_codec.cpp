@@ -144,6 +144,32 @@ cv::Mat grey_of_png(const std::string& bytes) {
   return read_rows(reader, rows_of(image).data()) ? image : cv::Mat();
 }
 
+std::size_t big_endian(std::string_view bytes, std::size_t at, std::size_t size) {
+  std::size_t number = 0;
+  for (std::size_t i = at; i < at + size; ++i) number = number << 8 | static_cast<std::uint8_t>(bytes[i]);
+  return number;
+}
+
+// Behind the segments that say what the image is like; one of them may hold a thumbnail, which has an end of its own.
+// Source: ITU-T T.81, annex B.
+bool jpeg_has_end(std::string_view bytes) {
+  constexpr std::uint8_t kStartOfScan = 0xDA;
+  std::size_t at = 2;
+  while (at + 4 <= bytes.size() && static_cast<std::uint8_t>(bytes[at + 1]) != kStartOfScan) {
+    at += 2 + big_endian(bytes, at + 2, 2);
+  }
+  return at < bytes.size() && bytes.find("\xff\xd9", at) != std::string_view::npos;
+}
+
+// Some programs append bytes of their own behind the last chunk.
+bool png_has_end(std::string_view bytes) {
+  constexpr std::size_t kSignature = 8, kAround = 12;  // [bytes]: of a chunk its length, type and checksum
+  for (std::size_t at = kSignature; at + kAround <= bytes.size(); at += kAround + big_endian(bytes, at, 4)) {
+    if (bytes.substr(at + 4, 4) == "IEND") return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 bool is_jpeg(std::string_view bytes) { return bytes.starts_with("\xff\xd8\xff"); }
@@ -153,6 +179,10 @@ bool is_png(std::string_view bytes) { return bytes.starts_with("\x89PNG\r\n\x1a\
 bool is_dicom(std::string_view bytes) {
   constexpr std::size_t kPreamble = 128;  // [bytes], DICOM PS3.10, section 7.1
   return bytes.size() > kPreamble && bytes.substr(kPreamble).starts_with("DICM");
+}
+
+bool is_cut_off(std::string_view bytes) {
+  return (is_jpeg(bytes) && !jpeg_has_end(bytes)) || (is_png(bytes) && !png_has_end(bytes));
 }
 
 cv::Mat decoded_grey(const std::string& bytes) {

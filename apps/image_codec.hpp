@@ -19,6 +19,9 @@ cv::Mat decoded_grey(const std::string& bytes);
 bool is_jpeg(std::string_view bytes);
 bool is_png(std::string_view bytes);
 
+/// Whether the end of a JPEG or PNG is missing: decoders fill what is missing with grey and go on.
+bool is_cut_off(std::string_view bytes);
+
 /// Whether they begin as those of a medical image in DICOM, which is never read: the decoder that OpenCV has for it ends
 /// the program where it doubts what follows.
 bool is_dicom(std::string_view bytes);

@@ -78,11 +78,17 @@ std::vector<std::string> glob_files(const std::string& pattern) {
   }
   std::string some;
   int count = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(shown, ignored)) {
-    if (++count <= 3) some += (some.empty() ? "" : ", ") + entry.path().filename().string();
+  std::error_code failed;
+  for (const auto& entry : std::filesystem::directory_iterator(shown, failed)) {
+    if (entry.is_regular_file(ignored) && ++count <= 3)
+      some += (some.empty() ? "" : ", ") + entry.path().filename().string();
+  }
+  if (failed) {
+    throw Error(ErrorKind::kIo, fmt::format("no image matches '{}': the folder {} cannot be read: {}", pattern, shown,
+                                            failed.message()));
   }
   throw Error(ErrorKind::kIo, fmt::format("no image matches '{}'; the folder holds {}", pattern,
-                                          count == 0 ? "nothing" : fmt::format("{} files such as {}", count, some)));
+                                          count == 0 ? "no files" : fmt::format("{} files such as {}", count, some)));
 }
 
 // Nothing when the file cannot be read.
@@ -93,14 +99,6 @@ std::optional<std::string> bytes_of(const std::string& path) {
   file.seekg(0);
   if (!file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) return std::nullopt;
   return bytes;
-}
-
-// JPEG and PNG say where they end; decoders fill what is missing with grey and go on.
-bool truncated(std::string_view bytes) {
-  const std::string_view tail = bytes.substr(bytes.size() - std::min<std::size_t>(64, bytes.size()));
-  if (is_jpeg(bytes)) return bytes.rfind("\xff\xd9") == std::string_view::npos;
-  if (is_png(bytes)) return tail.find("IEND") == std::string_view::npos;
-  return false;
 }
 
 // OpenCV throws at some damaged files and says of others that they are empty; only lack of memory is no fault of
@@ -257,7 +255,7 @@ cv::Mat read_gray(const std::string& path, std::string& reason) {
     reason = "the image file cannot be read; check its permissions";
     return {};
   }
-  if (truncated(*bytes)) {
+  if (is_cut_off(*bytes)) {
     reason = "the image file is truncated";
     return {};
   }

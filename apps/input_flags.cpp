@@ -15,6 +15,7 @@
 #include "raybundle/scene/suggestion.hpp"
 #include "raybundle/targets/board_file.hpp"
 #include "repeated_views.hpp"
+#include "terminal.hpp"
 
 namespace raybundle::apps {
 namespace {
@@ -65,10 +66,6 @@ void set_models(const std::vector<std::string>& flags, std::vector<DatasetCamera
     }
   }
   require_named_cameras("--model", flags, cameras);
-}
-
-Board board_of(const std::string& text) {
-  return text.ends_with(".toml") ? read_board_toml(text) : board_from_word(text);
 }
 
 bool is_json(const std::string& path) { return path.ends_with(".json"); }
@@ -172,9 +169,10 @@ Dataset dataset_of(const InputFlags& flags, bool need_models) {
   refuse_idle_flags(flags);
   if (!flags.dataset.empty()) dataset = read_dataset(flags.dataset);
   if (flags.threads) dataset.options.threads = *flags.threads;
-  if (!flags.target.empty()) dataset.boards = {{"board", board_of(flags.target)}};
+  if (!flags.target.empty()) dataset.boards = {{"board", board_from_word_or_toml(flags.target)}};
   if (!flags.cameras.empty()) {
     dataset.cameras.clear();
+    if (dataset.laser) say_warning("[laser] of " + flags.dataset + " is not used, as --camera replaces its images");
     dataset.laser.reset();  // its images are named beside those of the cameras
     dataset.folder.clear();
     for (const std::string& flag : flags.cameras) dataset.cameras.push_back(camera_from_flag(flag, ""));
@@ -233,7 +231,7 @@ DetectedImages observe(const InputFlags& flags, const Dataset& dataset) {
     for (const DatasetCamera& camera : dataset.cameras) {
       const auto size = sizes.find(camera.name);
       if (size == sizes.end()) refuse(fmt::format("give --image-size {}=WIDTHxHEIGHT", camera.name));
-      cameras.push_back({camera.name, camera.images.front(), size->second});
+      cameras.push_back({camera.name, camera.images, size->second});
     }
     if (cameras.empty()) refuse("which images belong to which camera? Give --camera, as in --camera left='left*.jpg'");
     file.problem = read_observations_vnl(flags.observations, named_target(dataset.boards.front()), cameras);

@@ -49,9 +49,12 @@ int exit_code(ErrorKind kind) {
 std::string output_failure(const char* why) { return fmt::format("standard output cannot be written: {}", why); }
 
 // What was written to standard output has to have arrived there.
-void flush_output() {
-  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
-  throw raybundle::Error(ErrorKind::kIo, output_failure(std::strerror(errno)));
+//
+// @returns `good`, or after a line on stderr the code for what could not be written
+int unless_output_failed(int good) {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return good;
+  say_error(output_failure(std::strerror(errno)));
+  return kIo;
 }
 
 // The exit code of the exception that is being handled, after one line on stderr.
@@ -60,7 +63,7 @@ int said_exit_code(const CLI::App& app) try { throw; } catch (const CLI::ParseEr
   say_error(raybundle::apps::usage_message(app, error));
   return kWrongUsage;
 } catch (const raybundle::apps::GateFailed&) {
-  return std::fflush(stdout) == 0 ? kGateFailed : kIo;
+  return unless_output_failed(kGateFailed);
 } catch (const raybundle::Error& error) {
   say_error(error.what());
   return exit_code(error.kind());
@@ -113,14 +116,13 @@ int main(int argc, char** argv) {
       "First run:  raybundle calibrate --target chessboard:9x6:25mm --camera left='left*.jpg' --camera "
       "right='right*.jpg' --model kannala_brandt -o out\n"
       "Exit codes: 0 done, 1 a quality gate failed, 2 wrong usage, 3 not enough usable data, 4 the solve failed, "
-      "5 reading or writing failed");
+      "5 reading or writing failed, or memory ran out");
   for (auto add_verb : raybundle::apps::kVerbs) add_verb(app);
   raybundle::apps::refuse_endless_numbers(app);
 
   try {
     app.parse(argc, argv);
-    flush_output();
-    return kDone;
+    return unless_output_failed(kDone);
   } catch (...) {
     return said_exit_code(app);
   }

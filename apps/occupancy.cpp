@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <array>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
 
+#include "beam_grid.hpp"
 #include "occupancy_classify.hpp"
 #include "occupancy_evaluation.hpp"
 #include "occupancy_learning.hpp"
@@ -16,7 +17,6 @@
 #include "raybundle/occupancy/case_base_file.hpp"
 #include "raybundle/scene/atomic_file.hpp"
 #include "raybundle/scene/csv.hpp"
-#include "raybundle/scene/number.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 
@@ -40,35 +40,41 @@ SensorKind kind_of(const std::string& sensor) {
   return sensor == "stereo" ? SensorKind::kStereo : SensorKind::kStructuredLight;
 }
 
-LaserGrid grid_of(const std::string& word) {
-  const auto [columns, rows] = two_numbers_from<int>(word, 'x').value_or(std::array{0, 0});
-  if (columns < 2 || rows < 2 || columns > 64 || rows > 64) {
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("--beams {} is not COLUMNSxROWS of 2 to 64 beams, as in 11x11", word));
-  }
-  return {rows, columns};
-}
-
 void refuse_beams_of_stereo(const Flags& flags, SensorKind kind) {
   if (!flags.beams_given || kind != SensorKind::kStereo) return;
   throw Error(ErrorKind::kBadInput, "--beams are of a laser, and stereo has none; leave it out");
 }
 
-LabelledCases cases_with_progress(SimulatedLearning learning) {
-  Progress progress("simulating", learning.scenes);
+// Calls `work` with what it is to call after each scene, from any thread.
+template <typename Work>
+auto with_progress(const std::string& what, int scenes, const Work& work) {
+  Progress progress(what, scenes);
   std::mutex guard;
-  learning.scene_done = [&] {
+  return work([&] {
     const std::scoped_lock lock(guard);
     progress.advance();
-  };
-  return simulated_cases(learning);
+  });
+}
+
+LabelledCases cases_with_progress(SimulatedLearning learning) {
+  return with_progress("simulating", learning.scenes, [&](const std::function<void()>& scene_done) {
+    learning.scene_done = scene_done;
+    return simulated_cases(learning);
+  });
+}
+
+Evaluation evaluate_with_progress(const CaseBase& base, EvaluationOptions options, const std::string& vehicles) {
+  return with_progress(vehicles + " vehicles", options.scenes, [&](const std::function<void()>& scene_done) {
+    options.scene_done = scene_done;
+    return evaluate(base, options);
+  });
 }
 
 void run_learn(Flags flags) {
   flags.learning.kind = kind_of(flags.sensor);
   refuse_beams_of_stereo(flags, flags.learning.kind);
   flags.learning.scenes = flags.scenes > 0 ? flags.scenes : learning_of(flags.learning.kind).scenes;
-  flags.learning.grid = grid_of(flags.grid);
+  flags.learning.grid = beam_grid_from_flag(flags.grid);
   if (flags.learning.seed + static_cast<std::uint64_t>(flags.learning.scenes) > kEvaluationSeed) {
     throw Error(ErrorKind::kBadInput, fmt::format("--seed and --scenes reach {}, from where on scenes are kept for "
                                                   "`occupancy evaluate`; take a smaller seed",
@@ -111,14 +117,14 @@ void run_evaluate(Flags flags) {
   options.kind = sensor_kind_of(base);
   refuse_beams_of_stereo(flags, options.kind);
   options.monitor = monitor_options_of(options.kind);
-  options.grid = grid_of(flags.grid);
+  options.grid = beam_grid_from_flag(flags.grid);
   options.seed += kEvaluationSeed;
   std::vector<std::pair<std::string, Evaluation>> evaluations;
   for (const auto& [name, generator] :
        {std::pair("same", CockpitGenerator::kTraining), {"held-out", CockpitGenerator::kTest}}) {
     if (flags.split != "both" && flags.split != name) continue;
     options.generator = generator;
-    evaluations.emplace_back(name, evaluate(base, options));
+    evaluations.emplace_back(name, evaluate_with_progress(base, options, name));
     if (!flags.json)
       fmt::print("{}\n", text_from_evaluation(fmt::format("{} vehicles", name), evaluations.back().second));
   }

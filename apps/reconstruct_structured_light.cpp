@@ -165,7 +165,9 @@ void add_structured_light_reconstruction(CLI::App& reconstruct) {
   verb->add_option("images", flags->images, "with the laser on, or a video; patterns in quotes")->type_name("IMAGE");
   verb->add_option("--off", flags->off, "the same moments with the laser off: of the same digits, or in the same order")
       ->type_name("IMAGE");
-  verb->add_option("-o,--output", flags->output, "folder to write")->type_name("DIR")->required();
+  verb->add_option("-o,--output", flags->output, "folder to write; frames of a former run in it are removed")
+      ->type_name("DIR")
+      ->required();
   verb->add_option("--watch", flags->watch, "take images as they come into a folder, until interrupted, or a video")
       ->type_name("DIR");
   verb->add_option("--frames", flags->frames, "end after so many")->check(CLI::Range(1, 1 << 30));

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "foreign_files.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/scene/atomic_file.hpp"
 #include "raybundle/scene/csv.hpp"
@@ -26,7 +27,7 @@ void require_report(const std::string& text, const std::string& path) {
   if (json.is_discarded()) {
     throw Error(ErrorKind::kBadInput, "this is no JSON, or it was cut off; run raybundle calibrate again", path);
   }
-  if (!json.is_object() || json.value("format", "") != "raybundle report") {
+  if (!json.is_object() || !json.contains("format") || json["format"] != "raybundle report") {
     throw Error(ErrorKind::kBadInput, "this is no report of Raybundle; give the report.json of raybundle calibrate",
                 path);
   }
@@ -40,6 +41,7 @@ void require_report(const std::string& text, const std::string& path) {
 }
 
 void run(const ReportFlags& flags) {
+  require_other_file({flags.report}, flags.output);
   const std::string report = text_of_file(flags.report);
   require_report(report, flags.report);
   write_file_whole(flags.output, report_page(report, flags.images));

@@ -10,13 +10,13 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "beam_grid.hpp"
 #include "dataset.hpp"
 #include "number_flags.hpp"
 #include "output_folder.hpp"
 #include "page_text.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/scene/atomic_file.hpp"
-#include "raybundle/scene/number.hpp"
 #include "simulated_files.hpp"
 #include "simulated_images.hpp"
 #include "terminal.hpp"
@@ -57,16 +57,6 @@ std::string command_of(const SimulateFlags& flags) {
   return command + " -o " + shell_word(flags.output);
 }
 
-LaserGrid grid_of(const std::string& word) {
-  constexpr int kMost = 64;
-  const auto [columns, rows] = two_numbers_from<int>(word, 'x').value_or(std::array{0, 0});
-  if (columns < 2 || columns > kMost || rows < 2 || rows > kMost) {
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("--beams {} is not COLUMNSxROWS of 2 to {} beams each, as in 19x16", word, kMost));
-  }
-  return {rows, columns};
-}
-
 void change_emitter(const SimulateFlags& flags, SimulatedRig& rig) {
   if (flags.beams.empty() && !flags.turn_deg && flags.options.warmer_K == 0.0) return;
   if (!rig.emitter) {
@@ -74,7 +64,7 @@ void change_emitter(const SimulateFlags& flags, SimulatedRig& rig) {
                 "--beams, --turn and --warmer are for rigs with an [emitter], and this one has none", flags.rig);
   }
   if (!flags.beams.empty()) {
-    const LaserGrid grid = grid_of(flags.beams);
+    const LaserGrid grid = beam_grid_from_flag(flags.beams);
     if (grid.rows != rig.emitter->grid.rows || grid.columns != rig.emitter->grid.columns) set_grid(*rig.emitter, grid);
   }
   if (flags.turn_deg) rig.emitter->lattice_turn_rad = *flags.turn_deg * M_PI / 180.0;

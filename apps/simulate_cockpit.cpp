@@ -6,11 +6,9 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <opencv2/core/mat.hpp>
 #include <optional>
 
 #include "cockpit_files.hpp"
-#include "image_codec.hpp"
 #include "number_flags.hpp"
 #include "output_folder.hpp"
 #include "page_text.hpp"
@@ -19,6 +17,7 @@
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/calibration_file.hpp"
 #include "raybundle/scene/atomic_file.hpp"
+#include "simulated_images.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 
@@ -46,7 +45,16 @@ std::string command_of(const SimulateCockpitFlags& flags) {
   command += flags.sensor == "stereo" ? fmt::format(" --size {}", flags.size)
                                       : fmt::format(" --rows {} --columns {}", flags.rows, flags.columns);
   if (!flags.wanted.empty()) command += " --class " + flags.wanted;
-  return command + " -o " + flags.output;
+  return command + " -o " + shell_word(flags.output);
+}
+
+// What makes points of the images.
+std::string next_command(const SimulateCockpitFlags& flags) {
+  const auto in_folder = [&](const char* name) { return shell_word((fs::path(flags.output) / name).string()); };
+  const bool stereo = flags.sensor == "stereo";
+  return fmt::format("raybundle reconstruct {} {} {} {} -o points", flags.sensor, in_folder("calibration.json"),
+                     in_folder(stereo ? "*_left.png" : "*_on.png"),
+                     stereo ? in_folder("*_right.png") : "--off " + in_folder("*_off.png"));
 }
 
 CabinSensor sensor_of(const SimulateCockpitFlags& flags, CockpitGenerator generator) {
@@ -57,13 +65,6 @@ CabinSensor sensor_of(const SimulateCockpitFlags& flags, CockpitGenerator genera
 std::optional<CabinClass> wanted_of(const SimulateCockpitFlags& flags, int scene) {
   if (flags.wanted.empty()) return static_cast<CabinClass>(scene % kCabinClasses);
   return static_cast<CabinClass>(std::ranges::find(kCabinClassNames, flags.wanted) - kCabinClassNames.begin());
-}
-
-void write_png(const fs::path& path, const GreyImage& image) {
-  cv::Mat pixels(image.size.height, image.size.width, CV_8U);
-  std::ranges::transform(image.values, pixels.begin<std::uint8_t>(),
-                         [](std::uint16_t grey) { return static_cast<std::uint8_t>(grey); });
-  write_file_whole(path, png_from(pixels));
 }
 
 // Renders one frame; names of its images by camera, or off and on.
@@ -154,8 +155,8 @@ void run(const SimulateCockpitFlags& flags) {
     const ordered_json result{{"folder", flags.output}, {"command", command_of(flags)}, {"scenes", flags.scenes}};
     fmt::print("{}\n", text_of_json(result, 2));
   } else {
-    fmt::print("{} scenes of {} frames, seen by {}\nwrote {}\n", flags.scenes, flags.frames, flags.sensor,
-               flags.output);
+    fmt::print("{} scenes of {} frames, seen by {}\nwrote {}\nnext  {}\n", flags.scenes, flags.frames, flags.sensor,
+               flags.output, next_command(flags));
   }
 }
 

@@ -13,7 +13,6 @@
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/threads.hpp"
 #include "raybundle/scene/atomic_file.hpp"
-#include "raybundle/synthetic/render.hpp"
 #include "terminal.hpp"
 
 namespace raybundle::apps {
@@ -37,8 +36,6 @@ cv::Mat mat_of(const GreyImage& image) {
   return mat;
 }
 
-void write_png(const fs::path& path, const GreyImage& image) { write_file_whole(path, png_from(mat_of(image))); }
-
 bool is_simulated_image(const fs::path& path) {
   const std::string name = path.filename().string();
   const std::size_t digits = std::min(name.find_first_not_of("0123456789"), name.size());
@@ -59,6 +56,8 @@ bool names_a_folder(const SimulatedCamera& camera) {
 }
 
 }  // namespace
+
+void write_png(const fs::path& path, const GreyImage& image) { write_file_whole(path, png_from(mat_of(image))); }
 
 std::string simulated_image(const std::string& camera, const std::string& frame, bool laser) {
   return fmt::format("images/{}/{}_{}.png", camera, frame, laser ? "on" : "off");

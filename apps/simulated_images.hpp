@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "raybundle/synthetic/render.hpp"
 #include "raybundle/synthetic/simulate.hpp"
 #include "simulated_board.hpp"
 
@@ -20,6 +21,9 @@ std::string simulated_image(const std::string& camera, const std::string& frame,
 /// The same for a frame's number, with leading zeros.
 std::string simulated_image(const std::string& camera, int frame, bool laser);
 
+/// 10 and 12 bits are stretched to the 16 of a PNG.
+void write_png(const std::filesystem::path& path, const GreyImage& image);
+
 /// @throws Error(kBadInput) when the board has no print, or a camera a name that is none for a folder
 void require_images(const BoardedRig& boarded);
 
@@ -29,8 +33,7 @@ void require_images(const BoardedRig& boarded);
 /// @throws Error(kIo)
 void remove_former_images(const std::filesystem::path& folder, const std::vector<SimulatedCamera>& cameras);
 
-/// Renders and writes the images of all cameras and frames, whether they show the board or not. 10 and 12 bits are
-/// stretched to the 16 of a PNG. The number of threads does not change a bit.
+/// Renders and writes the images of all cameras and frames, whether they show the board or not. The number of threads does not change a bit.
 ///
 /// @param boarded  as require_images() lets it pass
 /// @throws Error(kIo)

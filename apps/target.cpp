@@ -29,10 +29,6 @@ struct TargetFlags {
   bool json = false;
 };
 
-Board board_of(const std::string& word_or_file) {
-  return word_or_file.ends_with(".toml") ? read_board_toml(word_or_file) : board_from_word(word_or_file);
-}
-
 // A data set that someone wrote by hand is never overwritten by the board's TOML of the same name.
 void require_own_or_absent(const fs::path& toml) {
   std::ifstream file(toml);
@@ -55,13 +51,23 @@ std::string scale_in_words(const Drawing& drawing, const TargetFlags& flags) {
                      1e3 * drawing.height_m);
 }
 
-void run(const TargetFlags& flags) {
-  const Board board = board_of(flags.board);
-  const DrawingFormat format = format_of_path(flags.output);
-  const bool has_dpi = flags.draw.dpi > 0.0;
-  if (format != DrawingFormat::kPng && has_dpi) {
-    throw Error(ErrorKind::kBadInput, "--dpi is for .png; .pdf and .svg have no pixels, leave it out");
+// A flag without effect would be believed to have had one.
+void refuse_idle_flags(const CLI::App& verb, const TargetFlags& flags) {
+  const bool is_png = format_of_path(flags.output) == DrawingFormat::kPng,
+             in_true_scale = !is_png || flags.draw.dpi > 0;
+  const auto refuse = [&](const char* flag, const std::string& why) {
+    if (verb.count(flag) > 0) throw Error(ErrorKind::kBadInput, fmt::format("{} {}; leave it out", flag, why));
+  };
+  if (!is_png) refuse("--dpi", "is for .png; .pdf and .svg have no pixels");
+  if (in_true_scale) refuse("--square-px", "is for a .png without --dpi; all else is drawn in true scale");
+  for (const char* flag : {"--paper", "--margin"}) {
+    if (!in_true_scale) refuse(flag, "is for a page; a .png without --dpi has none");
   }
+}
+
+void run(const TargetFlags& flags) {
+  const Board board = board_from_word_or_toml(flags.board);
+  const DrawingFormat format = format_of_path(flags.output);
   DrawOptions options = flags.draw;
   options.margin_m = flags.margin_mm / 1000.0;
   const fs::path toml = fs::path(flags.output).replace_extension(".toml");
@@ -120,7 +126,10 @@ void add_target_verb(CLI::App& app) {
       ->check(CLI::Range(1.0, 10000.0));
   verb->add_flag("--json", flags->json, "print the result as JSON");
   verb->footer(footer());
-  verb->callback([flags] { run(*flags); });
+  verb->callback([flags, verb] {
+    refuse_idle_flags(*verb, *flags);
+    run(*flags);
+  });
 }
 
 }  // namespace raybundle::apps

@@ -10,6 +10,7 @@
 #include "input_flags.hpp"
 #include "laser_verdict.hpp"
 #include "number_flags.hpp"
+#include "output_folder.hpp"
 #include "page_text.hpp"
 #include "raybundle/calibrate/calibrate.hpp"
 #include "raybundle/geometry/error.hpp"
@@ -49,10 +50,9 @@ struct CameraVerdict {
 
 double limit_px(const ValidateFlags& flags, const CalibrationFile& file, const std::string& camera) {
   if (flags.max_rms_px > 0) return flags.max_rms_px;
-  for (std::size_t c = 0; c < file.summaries.size(); ++c) {
-    if (file.calibration.cameras[c].name == camera) return 2.0 * file.summaries[c].rms_px;
-  }
-  throw Error(ErrorKind::kBadInput, "the calibration does not say its own rms; give --max-rms");
+  const std::vector<RigCamera>& cameras = file.calibration.cameras;
+  const auto known = std::ranges::find(cameras, camera, &RigCamera::name);  // there: held_out() asked for it
+  return 2.0 * file.summaries[static_cast<std::size_t>(known - cameras.begin())].rms_px;
 }
 
 void print_json(const std::vector<CameraVerdict>& verdicts, const std::optional<LaserVerdict>& dots, bool passed) {
@@ -123,6 +123,10 @@ void print_next_step(const std::vector<CameraVerdict>& verdicts) {
 
 void run(const ValidateFlags& flags) {
   const CalibrationFile file = read_calibration(flags.calibration);
+  if (flags.max_rms_px == 0 && file.summaries.empty()) {
+    throw Error(ErrorKind::kBadInput, "the calibration does not say its own rms; give --max-rms");
+  }
+  if (!flags.retuned.empty()) require_writable_file(flags.retuned, "--retune");
   const Dataset dataset = dataset_of(flags.input, false);
   const DetectedImages images = observe(flags.input, dataset);
   require_views(images);
@@ -153,13 +157,17 @@ void run(const ValidateFlags& flags) {
   } else if (images.observations.problem.laser) {
     say_warning("the calibration has no laser beams, so the dots are not judged");
   }
-  if (!flags.retuned.empty()) {
+  const bool cameras_passed = std::ranges::all_of(verdicts, &CameraVerdict::passed);
+  if (!flags.retuned.empty() && !cameras_passed) {
+    say_warning(flags.retuned +
+                " is not written: dots are judged on the boards that the cameras place, and a camera "
+                "misses its gate");
+  } else if (!flags.retuned.empty()) {
     write_retuned(flags.retuned, file, dots);
     dots->retuned = true;
   }
   const bool gate_without_laser = !dots && flags.laser_gate;
-  const bool passed =
-      std::ranges::all_of(verdicts, &CameraVerdict::passed) && (dots ? dots->passed() : !gate_without_laser);
+  const bool passed = cameras_passed && (dots ? dots->passed() : !gate_without_laser);
   if (flags.json) {
     print_json(verdicts, dots, passed);
   } else {
@@ -172,7 +180,6 @@ void run(const ValidateFlags& flags) {
       fmt::print("FAIL  laser: nothing to judge, no beams in the calibration or no laser in these data\n");
     }
     if (dots && !dots->passed()) fmt::print("FAIL  {}\n", why_failed(*dots));
-    const bool cameras_passed = std::ranges::all_of(verdicts, &CameraVerdict::passed);
     if (!cameras_passed) print_next_step(verdicts);
   }
   if (!passed) throw GateFailed{};

@@ -66,7 +66,10 @@ void read_fixtures(TomlReader& root, VehicleLayout& layout) {
 }  // namespace
 
 VehicleFile::VehicleFile(const std::string& path)
-    : table_(toml_from_text(text_of_file(path), path)), reader_(table_, "the file", path) {}
+    : table_(toml_from_text(text_of_file(path), path)), reader_(table_, "the file", path) {
+  for (const char* section : {"vehicle", "fixture", "sensor", "stereo"}) reader_.has(section);
+  reader_.refuse_unknown_keys();
+}
 
 TomlReader VehicleFile::section(const std::string& name) {
   auto section = reader_.table(name, fmt::format("[{}]", name));

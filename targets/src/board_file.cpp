@@ -48,6 +48,10 @@ std::string toml_of(const Board& board) {
   return text;
 }
 
+Board board_from_word_or_toml(const std::string& word_or_path) {
+  return word_or_path.ends_with(".toml") ? read_board_toml(word_or_path) : board_from_word(word_or_path);
+}
+
 Board board_from_toml_text(const std::string& text, const std::string& where, const fs::path& folder) {
   const toml::table file = toml_from_text(text, where);
   auto section = TomlReader(file, "the file", where).table("target", "[target]");

@@ -21,7 +21,7 @@ struct Link {
 };
 using Links = std::vector<std::array<Link, 4>>;
 
-float grey_at(const cv::Mat& image, const Eigen::Vector2f& pixel) {
+float grey_clamped(const cv::Mat& image, const Eigen::Vector2f& pixel) {
   const int x = std::clamp(cvRound(pixel.x()), 0, image.cols - 1);
   const int y = std::clamp(cvRound(pixel.y()), 0, image.rows - 1);
   return static_cast<float>(image.at<uchar>(y, x));
@@ -165,7 +165,8 @@ bool edge_between(const cv::Mat& image, const Eigen::Vector2f& from, const Eigen
     bool runs = true;
     for (const float part : {0.3F, 0.4F, 0.5F, 0.6F, 0.7F}) {
       const Eigen::Vector2f at = from + part * along;
-      runs = runs && grey_at(image, at + beside * clockwise) - grey_at(image, at - beside * clockwise) > least_contrast;
+      runs = runs && grey_clamped(image, at + beside * clockwise) - grey_clamped(image, at - beside * clockwise) >
+                         least_contrast;
     }
     if (runs) return true;
   }

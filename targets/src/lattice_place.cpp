@@ -9,7 +9,7 @@
 namespace raybundle {
 namespace {
 
-std::optional<double> grey_at(const cv::Mat& gray, const Eigen::Vector2d& pixel) {
+std::optional<double> grey_within(const cv::Mat& gray, const Eigen::Vector2d& pixel) {
   const int x = static_cast<int>(std::lround(pixel.x()));
   const int y = static_cast<int>(std::lround(pixel.y()));
   if (x < 0 || y < 0 || x >= gray.cols || y >= gray.rows) return std::nullopt;
@@ -35,8 +35,8 @@ bool side_is_closed(const cv::Mat& gray, const Lattice& lattice, const std::vect
     const Eigen::Vector2d step = middle - 0.5 * (a_in->pixel + b_in->pixel);
     const double contrast = std::min(a->contrast, b->contrast);
     // The square that touches the side, and the one beyond it, or the margin.
-    const auto inner = grey_at(gray, middle + 0.5 * step);
-    const auto outer = grey_at(gray, middle + 1.3 * step);
+    const auto inner = grey_within(gray, middle + 0.5 * step);
+    const auto outer = grey_within(gray, middle + 1.3 * step);
     if (!inner || !outer) continue;
     const bool even = (place.first + place.second) % 2 == 0;
     const int quadrant = (along.first + out.first) * (along.second + out.second);

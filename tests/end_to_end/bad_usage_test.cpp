@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "program.hpp"
@@ -14,12 +15,41 @@ namespace raybundle::testing {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 TEST(BadUsage, UnknownVerbsAndFlags) {
   EXPECT_EQ(raybundle_program({"calibrat"}).exit_code, 2);
   EXPECT_EQ(raybundle_program({"calibrate", "--modell", "pinhole"}).exit_code, 2);
   EXPECT_EQ(raybundle_program({}).exit_code, 2);
   EXPECT_EQ(raybundle_program({"calibrate", "--help"}).exit_code, 0);
+}
+
+// Who comes from another program types the name that the lens has there.
+TEST(BadUsage, NamesThatOthersHaveForAModelLeadToOurs) {
+  const std::pair<const char*, const char*> names[] = {
+      {"fisheye", "\"kannala_brandt\""}, {"pinhole-equi", "\"kannala_brandt\""}, {"equi", "\"kannala_brandt\""},
+      {"OpenCV8", "\"rational\""},       {"PLUMB_BOB", "\"brown_conrady\""},     {"omni", "\"unified\""}};
+  for (const auto& [theirs, ours] : names) {
+    const ProgramRun run =
+        raybundle_program({"calibrate", "--target", "chessboard:9x6:25mm", "--camera", "a=*.png", "--model", theirs});
+    EXPECT_EQ(run.exit_code, 2) << theirs;
+    EXPECT_THAT(run.err, HasSubstr(ours)) << theirs;
+    EXPECT_THAT(run.err, Not(HasSubstr("Known:"))) << theirs;
+  }
+}
+
+TEST(BadUsage, FlagsOfTheOtherKindOfDrawingAreRefused) {
+  const auto says = [](std::vector<std::string> flags, const char* said) {
+    flags.insert(flags.begin(), {"target", "chessboard:9x6:25mm", "-o"});
+    const ProgramRun run = raybundle_program(flags);
+    EXPECT_EQ(run.exit_code, 2) << said;
+    EXPECT_THAT(run.err, HasSubstr(said));
+  };
+  const std::string folder = fresh_folder().string();
+  says({folder + "/b.png", "--paper", "A4"}, "--paper is for a page");
+  says({folder + "/b.png", "--margin", "5"}, "--margin is for a page");
+  says({folder + "/b.png", "--dpi", "100", "--square-px", "30"}, "--square-px is for a .png without --dpi");
+  says({folder + "/b.pdf", "--dpi", "100"}, "--dpi is for .png");
 }
 
 // NaN is within every range that is asked for by comparing.

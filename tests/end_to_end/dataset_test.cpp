@@ -103,6 +103,8 @@ TEST(RuleFlags, TakeNothingButNumbers) {
   for (const char* flag : {"left.fx=5x", "left.fx=0x10", "left.fx=+-5", "left.fx=5 ", "left.fx=inf"}) {
     EXPECT_THROW(rule_from_flag(Kind::kFixed, flag), Error) << flag;
   }
+  EXPECT_EQ(rule_from_flag(Kind::kFree, "left.fx").pattern, "left.fx");
+  EXPECT_THROW(rule_from_flag(Kind::kFree, "left.fx=500"), Error) << "the value would be without effect";
 }
 
 }  // namespace

@@ -122,6 +122,23 @@ TEST(ImageCodec, UndoesEveryFilterOfPngsAtEverySize) {
   }
 }
 
+// A camera's JPEG holds a thumbnail, which ends before the image begins; some programs append to a PNG.
+TEST(ImageCodec, KnowsWhatIsCutOff) {
+  const cv::Mat image = picture(CV_8U, 255.0);
+  const std::string jpeg = apps::jpeg_from(image), png = apps::png_from(image);
+  const std::string thumbnail = "Exif\xff\xd9" + std::string(70, 'x'),
+                    size{'\0', static_cast<char>(thumbnail.size() + 2)};
+  const std::string photo = jpeg.substr(0, 2) + "\xff\xe1" + size + thumbnail + jpeg.substr(2);
+  for (const std::string& whole : {jpeg, photo, png}) {
+    EXPECT_FALSE(apps::is_cut_off(whole));
+    EXPECT_FALSE(apps::is_cut_off(whole + std::string(500, '\0')));
+    for (const std::size_t size_left : {whole.size() - 3, whole.size() / 2, std::size_t{12}, std::size_t{8}}) {
+      EXPECT_TRUE(apps::is_cut_off(whole.substr(0, size_left))) << size_left;
+    }
+  }
+  expect_same(apps::decoded_grey(photo), by_opencv(jpeg), "with a thumbnail");
+}
+
 TEST(ImageCodec, WritesPngsThatReadBackAsTheyWere) {
   for (const cv::Mat& image : {picture(CV_8U, 255.0), picture(CV_16U, 65535.0), picture(CV_8UC3, 255.0)}) {
     expect_same(by_opencv(apps::png_from(image)), image, "whole");

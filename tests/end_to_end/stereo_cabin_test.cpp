@@ -141,6 +141,7 @@ TEST(StereoInACar, SaysWhatIsWrongWithTheVehicle) {
       {good.substr(0, good.find("[stereo]")), "has no section [stereo]"},
       {"= 3", "is not TOML"},
       {good + "tilt = 3\n", "unknown field 'tilt'"},
+      {good + "[[fixtures]]\n", "unknown field 'fixtures'"},
       {good.substr(0, good.find("critical_m")) + "[stereo]\n", "needs a field 'critical_m'"}};
   for (const auto& [toml, said] : cases) {
     const ProgramRun run = run_with(toml);

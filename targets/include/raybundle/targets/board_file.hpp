@@ -19,6 +19,11 @@ std::string toml_of(const Board& board);
 /// @throws Error(kIo) when the file cannot be read, Error(kBadInput) naming file, line and field
 Board read_board_toml(const std::filesystem::path& path);
 
+/// The board of a .toml, or the one that a word describes: what --target takes.
+///
+/// @throws as read_board_toml() or board_from_word()
+Board board_from_word_or_toml(const std::string& word_or_path);
+
 /// The same from a text.
 ///
 /// @param where   name of the text for messages
