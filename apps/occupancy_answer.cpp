@@ -44,30 +44,4 @@ std::vector<std::string> row_of_answer(const std::string& file, const Occupancy&
           answer.zones.anything ? fmt::format("{:.3f}", answer.zones.distance_m) : "-"};
 }
 
-constinit const std::string_view kAnswerStyle = R"(
-.badge { padding: .1rem .6rem; border-radius: 4px; color: #fff; background: #777; }
-.fire { background: #c33; } .depowered { background: #b70; } .no_fire { background: #27a; }
-td { padding: 0 1rem 0 0; }
-)";
-
-constinit const std::string_view kAnswerScript = R"(
-const answerWords = {airbag: 'airbag', state: 'state', group: 'group', class: 'class', confidence: 'share of the votes',
-  points_in_critical_zone: 'points in the critical zone', points_in_outer_zone: 'points in the outer zone',
-  dashboard_distance_m: 'nearest point to the dashboard [m]', dashboard_distance_sigma_m: 'its sigma [m]',
-  rays_through_zones: 'rays that found the zones free', moving: 'share of the rays on the seat that moved'};
-const showAnswer = answer => {
-  const badge = document.getElementById('airbag');
-  badge.textContent = answer.airbag;
-  badge.className = 'badge ' + answer.airbag;
-  const rows = Object.entries(answerWords).filter(([key]) => key in answer).map(([key, word]) => {
-    const row = document.createElement('tr'), value = answer[key];
-    for (const text of [word, typeof value === 'number' ? +value.toFixed(3) : value ?? 'unsure']) {
-      row.appendChild(document.createElement('td')).textContent = text;
-    }
-    return row;
-  });
-  document.getElementById('reasons').replaceChildren(...rows);
-};
-)";
-
 }  // namespace raybundle::apps

@@ -4,7 +4,6 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "raybundle/occupancy/monitor.hpp"
@@ -17,9 +16,5 @@ nlohmann::ordered_json json_of_answer(const std::string& file, const Occupancy& 
 /// The same in a row of a table.
 std::vector<std::string> row_of_answer(const std::string& file, const Occupancy& answer, const CaseBase& base);
 std::vector<std::string> head_of_answers();
-
-/// For pages: styles of `.badge` by the airbag's action, and the function showAnswer(answer), which fills the elements
-/// `airbag` and `reasons`.
-extern const std::string_view kAnswerStyle, kAnswerScript;
 
 }  // namespace raybundle::apps

@@ -12,6 +12,13 @@ std::string json_for_script(std::string_view json) {
   return text;
 }
 
+std::string filled(std::string_view page, std::string_view name, std::string_view text) {
+  std::string mark = "{{";
+  mark.append(name).append("}}");
+  std::string whole(page);
+  return whole.replace(whole.find(mark), mark.size(), text);
+}
+
 std::string base64(std::string_view bytes) {
   std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');  // with the 0 that is written behind it
   EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), reinterpret_cast<const unsigned char*>(bytes.data()),

@@ -11,6 +11,9 @@ namespace raybundle::apps {
 /// a string, where it has another spelling.
 std::string json_for_script(std::string_view json);
 
+/// A page with a text in place of {{name}}, where that stands first.
+std::string filled(std::string_view page, std::string_view name, std::string_view text);
+
 /// Bytes of an image as they stand in a page or in JSON.
 std::string base64(std::string_view bytes);
 

@@ -178,7 +178,7 @@ TEST(StereoOccupancy, ThePageShowsTheDecisionAndPlays) {
   }
   EXPECT_EQ(value("frames[0].drawn.length"), 7);  // two zones, five boxes; nobody has a head
   browser.click("#play");
-  EXPECT_NE(value("new Promise(r => setTimeout(() => r(which.value), 700))"), "0");
+  EXPECT_NE(value("new Promise(r => setTimeout(() => r(part('at').value), 700))"), "0");
   EXPECT_TRUE(browser.errors.empty()) << browser.errors.front();
 }
 
