@@ -149,15 +149,16 @@ double chi2_in_common(const CalibrationProblem& problem, const BundleState& stat
 constexpr double kSmallestGain = 0.02;    // in the sum of squares, of a bent board
 constexpr std::size_t kTellShape = 6000;  // corners: so many tell whether a bend may pay
 
-// Whether bending the boards could lower the squared residuals enough: from a flat optimum a Gauss-Newton step brings
-// nearly all of a small bend's gain and most of a large one's.
+// Whether bending the boards could lower the squared residuals enough, by some of them. A lens that has taken a bend upon
+// itself leaves the flat optimum along a valley: the first steps are often refused, and say nothing.
 bool shape_may_pay(const CalibrationProblem& problem, const BundleState& flat, const CalibrateOptions& options) {
   BundleState bent = with_fewer_views(flat, kTellShape);
   BundleOptions bundle = bundle_options(options);
-  bundle.max_iterations = 1;
+  bundle.max_iterations = 20;
+  bundle.settled = 1e-6;
   bundle.estimate_shape = true;
   const BundleSummary summary = solve_bundle(problem, bent, bundle);
-  if (summary.termination == Termination::kFailed) return true;
+  if (summary.termination != Termination::kConverged && summary.final_cost == summary.initial_cost) return true;
   return summary.initial_cost - summary.final_cost > 0.25 * kSmallestGain * summary.initial_cost;
 }
 
