@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 
+#include "raybundle/calibrate/linking_frames.hpp"
 #include "raybundle/camera/camera.hpp"
 #include "raybundle/geometry/quantile.hpp"
 #include "raybundle/scene/parameter_names.hpp"
@@ -99,18 +100,7 @@ std::string rig_lines(const CalibrationResult& result) {
 // How many of the frames that several cameras saw hold them together.
 std::string link_line(const CalibrationProblem& problem, const CalibrationResult& result) {
   if (result.calibration.cameras.size() < 2) return {};
-  std::map<std::pair<int, int>, std::vector<int>> poses;  // of the views of each frame and board
-  for (std::size_t v = 0; v < problem.views.size(); ++v) {
-    if (result.views[v].pose < 0) continue;
-    poses[{problem.views[v].frame, problem.views[v].target}].push_back(result.views[v].pose);
-  }
-  int shared = 0, linking = 0;
-  for (auto& [board, of_board] : poses) {
-    if (of_board.size() < 2) continue;
-    ++shared;
-    std::ranges::sort(of_board);
-    linking += std::ranges::adjacent_find(of_board) != of_board.end();
-  }
+  const auto [shared, linking] = linking_frames(problem, result);
   return fmt::format("linked by {} of the {} frames in which several cameras saw the board\n", linking, shared);
 }
 

@@ -22,16 +22,26 @@ namespace {
 
 // What is kept without a value has that of the start: boards keep their shape, too, and what corners contradict can be
 // named.
-void keep_at_start(const Calibration& start, CalibrationProblem& problem) {
+//
+// @param places_known  whether the start knows the first camera, as seen from which it then has the others
+void keep_at_start(const Calibration& start, bool places_known, CalibrationProblem& problem) {
   const std::map<std::string, double> at_start = parameter_values(start);
   std::vector<ParameterRule> values;
   for (const ParameterBlock& block : parameter_blocks(problem)) {
-    if (block.kind == ParameterBlock::Kind::kCameraFromRig && block.owner == 0) continue;
+    const bool is_place = block.kind == ParameterBlock::Kind::kCameraFromRig;
+    if (is_place && block.owner == 0) continue;
     for (const Parameter& parameter : block.parameters) {
       if (parameter.kind == ParameterRule::Kind::kFree || parameter.value) continue;
-      const auto value = at_start.find(parameter.name);  // none of a board that the start does not know, which is flat
-      values.push_back(
-          {parameter.name, parameter.kind, value == at_start.end() ? 0.0 : value->second, parameter.sigma});
+      const auto value = at_start.find(parameter.name);
+      const bool known = value != at_start.end() && (places_known || !is_place);
+      if (!known && block.kind != ParameterBlock::Kind::kShape) {
+        throw Error(
+            ErrorKind::kBadInput,
+            fmt::format("'{0}' is to be kept, but the file of --start does not say at which value; write {0}=VALUE",
+                        parameter.name));
+      }
+      // A board that the start does not know is flat.
+      values.push_back({parameter.name, parameter.kind, known ? value->second : 0.0, parameter.sigma});
     }
   }
   std::erase_if(problem.rules,
@@ -39,10 +49,15 @@ void keep_at_start(const Calibration& start, CalibrationProblem& problem) {
   std::ranges::move(values, std::back_inserter(problem.rules));
 }
 
+// Null when the start does not have it.
+const RigCamera* find_camera(const Calibration& start, const std::string& name) {
+  const auto found = std::ranges::find(start.cameras, name, &RigCamera::name);
+  return found == start.cameras.end() ? nullptr : &*found;
+}
+
 // The rig frame of a solve is that of its first camera, which may be another one than the start's.
-void refer_to_first_camera(const CalibrationProblem& problem, Calibration& start) {
-  const Rigid3 rig_from_first = camera_named(start, problem.cameras.front().name).camera_from_rig.inverse();
-  for (RigCamera& camera : start.cameras) camera.camera_from_rig = camera.camera_from_rig * rig_from_first;
+void refer_to(const Rigid3& first_from_rig, Calibration& start) {
+  for (RigCamera& camera : start.cameras) camera.camera_from_rig = camera.camera_from_rig * first_from_rig.inverse();
 }
 
 // Whether the parameters are the same for the solve.
@@ -60,9 +75,17 @@ bool same(const std::vector<ParameterBlock>& a, const std::vector<ParameterBlock
 
 void take_start(const std::string& path, CalibrationProblem& problem) {
   Calibration start = read_calibration(path).calibration;
-  refer_to_first_camera(problem, start);
+  const auto in_start = [&](const ProblemCamera& camera) { return find_camera(start, camera.name) != nullptr; };
+  if (std::ranges::none_of(problem.cameras, in_start)) camera_named(start, problem.cameras.front().name);  // says so
+  const RigCamera* first = find_camera(start, problem.cameras.front().name);
+  if (first != nullptr) refer_to(Rigid3(first->camera_from_rig), start);
   for (ProblemCamera& camera : problem.cameras) {
-    const RigCamera& known = camera_named(start, camera.name);
+    const RigCamera* found = find_camera(start, camera.name);
+    if (found == nullptr) {
+      say_warning(fmt::format("camera {} is not in {}: it starts from its images alone", camera.name, path));
+      continue;
+    }
+    const RigCamera& known = *found;
     if (known.camera.model != camera.model) {
       throw Error(ErrorKind::kBadInput, fmt::format("camera {} is a {} in {}, but --model says {}", camera.name,
                                                     model_name(known.camera.model), path, model_name(camera.model)));
@@ -75,9 +98,9 @@ void take_start(const std::string& path, CalibrationProblem& problem) {
                               known.camera.size.height, path));
     }
     camera.parameters = known.camera.parameters;
-    camera.camera_from_rig = known.camera_from_rig;
+    if (first != nullptr) camera.camera_from_rig = known.camera_from_rig;
   }
-  keep_at_start(start, problem);
+  keep_at_start(start, first != nullptr, problem);
 }
 
 void warn_of_void_rules(const CalibrationProblem& problem) {

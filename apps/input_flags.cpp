@@ -171,11 +171,17 @@ Dataset dataset_of(const InputFlags& flags, bool need_models) {
   if (flags.threads) dataset.options.threads = *flags.threads;
   if (!flags.target.empty()) dataset.boards = {{"board", board_from_word_or_toml(flags.target)}};
   if (!flags.cameras.empty()) {
-    dataset.cameras.clear();
     if (dataset.laser) say_warning("[laser] of " + flags.dataset + " is not used, as --camera replaces its images");
     dataset.laser.reset();  // its images are named beside those of the cameras
     dataset.folder.clear();
-    for (const std::string& flag : flags.cameras) dataset.cameras.push_back(camera_from_flag(flag, ""));
+    const std::vector<DatasetCamera> described = std::move(dataset.cameras);
+    dataset.cameras.clear();
+    for (const std::string& flag : flags.cameras) {
+      DatasetCamera camera = camera_from_flag(flag, "");
+      const auto same = std::ranges::find(described, camera.name, &DatasetCamera::name);
+      if (same != described.end()) camera.model = same->model;
+      dataset.cameras.push_back(std::move(camera));
+    }
   }
   if (!flags.observations.empty()) {
     if (is_image(flags.observations)) {

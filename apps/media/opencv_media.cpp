@@ -38,7 +38,9 @@ class OpencvMedia : public Media {
  public:
   cv::Mat decode_grey(const std::string& bytes) const override {
     const cv::Mat row(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
-    return cv::imdecode(row, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
+    cv::Mat image = cv::imdecode(row, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
+    if (image.channels() == 3) cv::cvtColor(image, image, cv::COLOR_BGR2GRAY);  // of Radiance's files
+    return image;
   }
 
   bool may_be_image(const std::string& path) const override { return cv::haveImageReader(path); }

@@ -83,6 +83,35 @@ TEST_F(Subsets, KeptExtrinsicsAreThoseOfTheStartWhicheverCameraComesFirst) {
   EXPECT_NEAR(rms_px(after), rms_px(calibration()), 0.01);
 }
 
+// A camera that comes to a rig which is known.
+TEST_F(Subsets, ACameraThatTheStartDoesNotHaveStartsFromItsImages) {
+  const std::vector<std::string> left_alone{all[0], all[1], all[2], all[3]};
+  calibrate(place, with(left_alone, kBrown));
+  const fs::path again = fresh_folder() / "again";
+  fs::create_directories(again);
+  write_text(again / "start.json", calibration().dump());
+  const std::vector<std::string> start{"--model", "brown_conrady", "--start", (again / "start.json").string()};
+  calibrate(again, with(all, start));
+  EXPECT_NEAR(baseline_m(json_of(again / "out" / "calibration.json"), "left", "right"), 0.0832, 0.0005);
+  std::vector<std::string> kept = with(with(all, start), {"--fix", "right.intrinsics", "-o", (again / "out").string()});
+  kept.insert(kept.begin(), "calibrate");
+  const ProgramRun refused = raybundle_program(kept);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("'right.fx' is to be kept, but the file of --start does not say"), std::string::npos)
+      << refused.err;
+}
+
+// A prior so sharp that the corners have no say is one that they may contradict most.
+TEST_F(Subsets, PriorsThatOverruleTheCornersAreWarnedOf) {
+  const auto warnings_of = [&](const char* prior) {
+    return calibrate(place, with(all, {"--model", "brown_conrady", "--prior", prior}))["warnings"].dump();
+  };
+  EXPECT_NE(
+      warnings_of("right.camera_from_rig.translation_x=-0.1:0.00001").find("translation_x is kept at -0.1, where"),
+      std::string::npos);
+  EXPECT_EQ(warnings_of("right.camera_from_rig.translation_x=-0.0832:0.00001").find("is kept at"), std::string::npos);
+}
+
 // Boards keep their shape, and values that the corners contradict are named as those that were typed.
 TEST_F(Subsets, WhatIsKeptWithoutAValueHasThatOfTheStart) {
   calibrate(place, with(all, kBrown));

@@ -169,8 +169,8 @@ void add_warnings(const RigProblem& rig, const BundleState& state, const Ties& t
   std::ranges::copy(contradicted_priors(problem, state, result), std::back_inserter(result.warnings));
   if (ties.rule.unsynchronised) {
     result.warnings.push_back(
-        "in most frames the cameras saw the board in different places: they did not expose at the same moment, or the "
-        "board was moving; hold it still or synchronise the cameras, and trust the sigmas less");
+        "even the frames that link the cameras fit them worse together than apart: they did not expose at the same "
+        "moment, or the board was moving; hold it still or synchronise the cameras, and trust the sigmas less");
   }
   if (result.termination == Termination::kIterationLimit) {
     result.warnings.push_back("the solve stopped at the limit of iterations before it converged");
@@ -342,7 +342,8 @@ CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOp
   check(problem);
   require_values(problem);  // refuses rules that match nothing, too
   CalibrationResult result = calibrate_weighing_priors(problem, options);
-  std::ranges::move(contradicted_values(problem, options, result), std::back_inserter(result.warnings));
+  const CalibrationProblem kept = with_overruling_priors_kept(problem, result);
+  std::ranges::move(contradicted_values(kept, options, result), std::back_inserter(result.warnings));
   std::ranges::move(data_warnings(problem, result), std::back_inserter(result.warnings));
   return result;
 }

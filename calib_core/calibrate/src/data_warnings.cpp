@@ -14,12 +14,14 @@
 #include <tuple>
 #include <utility>
 
+#include "raybundle/calibrate/linking_frames.hpp"
 #include "raybundle/scene/target_spacing.hpp"
 #include "raybundle/uncertainty/frame_covariance.hpp"
 
 namespace raybundle {
 namespace {
 
+constexpr double kSamePlace_m = 1e-3;
 constexpr double kUpsideDown_rad = 0.75 * M_PI;
 constexpr double kWidestSpacing_m = 1.0;      // boards are carried by hand
 constexpr double kNarrowestSpacing_m = 2e-4;  // and their points are told apart by eye
@@ -81,15 +83,25 @@ std::string sides_warning(const Calibration& calibration) {
         std::abs(about_sight_rad) * 180.0 / M_PI);
   }
   const Eigen::Vector3d& right_in_left = left_from_right.translation;
-  if (right_in_left.x() >= -right_in_left.tail<2>().norm()) return {};
+  if (right_in_left.x() >= -std::max(right_in_left.tail<2>().norm(), kSamePlace_m)) return {};
   return fmt::format(
       "right lies {:.0f} mm to the left of left: are their images exchanged, or do both cameras hang upside down?",
       -1e3 * right_in_left.x());
 }
 
+// What few frames say of a rig, no other frame tests.
+std::string few_links_warning(const CalibrationProblem& problem, const CalibrationResult& result) {
+  const auto [shared, linking] = linking_frames(problem, result);
+  if (result.calibration.cameras.size() < 2 || 2 * linking >= shared) return {};
+  return fmt::format(
+      "only {} of the {} frames in which several cameras saw the board link them: in the others it stood elsewhere for "
+      "each, as when cameras do not expose together, the board moves, or images of some frames are turned, cropped, or "
+      "numbered otherwise; hold it still or synchronise the cameras, and trust less what is said of where they are",
+      linking, shared);
+}
+
 // Cameras that stand in the same place and look the same way, as no two can: images of one that were saved twice.
 std::vector<std::string> same_place_warnings(const Calibration& calibration) {
-  constexpr double kSamePlace_m = 1e-3;
   constexpr double kSameDirection_rad = 2e-3;
   std::vector<std::string> warnings;
   for (std::size_t a = 0; a < calibration.cameras.size(); ++a) {
@@ -157,7 +169,7 @@ std::vector<std::string> exchanged_frames_warnings(const CalibrationProblem& pro
 // Of few views every sigma may be several times too small: how frames disagree is what tests it.
 std::string few_views_warning(const ProblemCamera& camera, const CameraSummary& summary) {
   const int views = summary.views_used;
-  if (views >= kFewestFrames) return {};
+  if (views >= kFewestFrames || summary.views_total == 0) return {};
   if (views == 0) {
     return fmt::format("camera {} stands on no view at all: none of its {} fits, and nothing is known of it",
                        camera.name, summary.views_total);
@@ -230,6 +242,9 @@ std::vector<std::string> data_warnings(const CalibrationProblem& problem, const 
     warnings.push_back(std::move(warning));
   }
   std::ranges::copy(exchanged_frames_warnings(problem, result), std::back_inserter(warnings));
+  if (std::string warning = few_links_warning(problem, result); !warning.empty()) {
+    warnings.push_back(std::move(warning));
+  }
   for (std::size_t c = 0; c < problem.cameras.size(); ++c) {
     for (const auto& warning_of : {few_views_warning, misfit_warning}) {
       if (std::string warning = warning_of(problem.cameras[c], result.cameras[c]); !warning.empty()) {

@@ -84,7 +84,7 @@ std::vector<std::string> contradictions(const CalibrationProblem& problem, const
   const bool elsewhere = worst && !worst->left_out() && worst->sigmas() > kManySigmas;
   if (!worst || (times < kMuchLarger && !elsewhere)) return {};
   return {
-      fmt::format("{} is kept at {:g}, where the corners say {:g} ± {:.2g}, {:.0f} sigmas away, and fit {:.2f} times "
+      fmt::format("{} is kept at {:g}, where the corners say {:g} ± {:.2g}, {:.0f} sigmas away, and fit {:.3g} times "
                   "worse with all values that are kept; check the value and its unit, or free it",
                   worst->name, worst->kept, worst->free, worst->sigma, worst->sigmas(), times)};
 }

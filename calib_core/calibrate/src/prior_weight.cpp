@@ -45,6 +45,25 @@ CalibrationProblem with_priors_for(const CalibrationProblem& problem, double noi
   return weighed;
 }
 
+CalibrationProblem with_overruling_priors_kept(const CalibrationProblem& problem, const CalibrationResult& result) {
+  constexpr double kTold = 0.02;  // by the corners: of the information on a parameter
+  CalibrationProblem kept = problem;
+  for (ParameterRule& rule : kept.rules) {
+    if (rule.kind != ParameterRule::Kind::kPrior || !rule.value) continue;
+    CalibrationProblem alone;
+    alone.cameras = problem.cameras;
+    alone.targets = problem.targets;
+    alone.rules = {rule};
+    for (const ParameterBlock& block : parameter_blocks(alone)) {
+      for (const int i : block.with_prior()) {
+        const double sigma = result.calibration.covariance.sigma(block.parameters[i].name);
+        if (sigma * sigma > (1.0 - kTold) * rule.sigma * rule.sigma) rule.kind = ParameterRule::Kind::kFixed;
+      }
+    }
+  }
+  return kept;
+}
+
 // The solution lies between prior and corners, and its variance tells where: from what the corners alone say the prior
 // is farther away by s² / (s² - v), and the sigma of that distance is s² / sqrt(s² - v), s the prior's sigma and v the
 // variance of the solution.

@@ -23,6 +23,10 @@ double corner_noise(const CalibrationProblem& problem, const CalibrationResult& 
 /// @param noise  as of corner_noise
 CalibrationProblem with_priors_for(const CalibrationProblem& problem, double noise);
 
+/// The problem with priors that leave the corners no say in place of rules that keep their values: what the corners say of
+/// them is found as of any value that is kept.
+CalibrationProblem with_overruling_priors_kept(const CalibrationProblem& problem, const CalibrationResult& result);
+
 /// Names priors that contradict what the corners say, by more than both sigmas together bear.
 ///
 /// @param problem  as it was solved

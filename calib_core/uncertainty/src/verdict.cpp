@@ -196,7 +196,8 @@ Verdict verdict(const CalibrationProblem& problem, const CalibrationResult& resu
   verdict.findings = findings(problem, result, seen);
   const std::string doubts = doubt(result);
   for (const Requirement& requirement : requirements) {
-    std::vector<Judgement> all = of_missing_cameras(requirement, problem, result.calibration);
+    const std::vector<Judgement> missing = of_missing_cameras(requirement, problem, result.calibration);
+    std::vector<Judgement> all;
     for (const Subject& subject : subjects_of(requirement, result.calibration)) {
       Judgement judgement = judged(requirement, subject, problem, result, seen[subject.first]);
       if (judgement.grade == Grade::kPass && !doubts.empty()) {
@@ -209,6 +210,7 @@ Verdict verdict(const CalibrationProblem& problem, const CalibrationResult& resu
     // Of a rig all around, only cameras that look at the same things are meant.
     const auto unknown = [](const Judgement& judgement) { return !std::isfinite(judgement.value); };
     if (requirement.quantity == Quantity::kDepth && !std::ranges::all_of(all, unknown)) std::erase_if(all, unknown);
+    all.insert(all.begin(), missing.begin(), missing.end());
     if (all.empty()) all.push_back(unjudged(requirement, "the rig", "nothing in it tells this"));
     for (Judgement& judgement : all) {
       verdict.grade = std::max(verdict.grade.value_or(Grade::kPass), judgement.grade);
