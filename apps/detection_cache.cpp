@@ -17,7 +17,7 @@
 namespace raybundle::apps {
 namespace {
 
-constexpr int kDetectorVersion = 9;  // raise it with every change of what a detector returns
+constexpr int kDetectorVersion = 10;  // raise it with every change of what a detector returns
 
 using Json = nlohmann::json;
 

@@ -81,6 +81,7 @@ Detection detect_chessboard(const cv::Mat& gray, const Chessboard& board) {
       if (seed.size() <= best.observations.size() / 2) break;
       Lattice lattice = grown(levels, level, seed, longest, all);
       trim_lattice(lattice, board);
+      if (lattice.size() != all) drop_lines_on_margin(levels[0], lattice);
       Detection placed = detection_on_lattice(lattice, closed_sides(levels[0], lattice), board);
       if (placed.observations.empty() && lattice.size() > unplaced.size()) unplaced = lattice;
       if (placed.observations.size() > best.observations.size()) best = std::move(placed);

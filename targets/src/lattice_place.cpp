@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace raybundle {
 namespace {
@@ -16,27 +17,54 @@ std::optional<double> grey_within(const cv::Mat& gray, const Eigen::Vector2d& pi
   return gray.at<uchar>(y, x);
 }
 
+/// A side of a lattice: `along` runs along it, `out` leaves the lattice.
+struct Side {
+  LatticePlace along, out;
+};
+constexpr Side kLeft{{0, 1}, {-1, 0}}, kRight{{0, 1}, {1, 0}}, kTop{{1, 0}, {0, -1}}, kBottom{{1, 0}, {0, 1}};
+
+/// The outermost places of a side that are taken.
+std::vector<LatticePlace> places_along(const Lattice& lattice, const Side& side) {
+  const LatticeExtent extent = extent_of(lattice);
+  const bool is_column = side.out.first != 0;
+  const int line = is_column ? (side.out.first < 0 ? extent.low_x : extent.high_x)
+                             : (side.out.second < 0 ? extent.low_y : extent.high_y);
+  std::vector<LatticePlace> places;
+  for (const auto& [place, saddle] : lattice) {
+    if ((is_column ? place.first : place.second) == line) places.push_back(place);
+  }
+  return places;
+}
+
 /// Looks beyond one side, from pairs of neighbouring corners there: the squares' colours alternate on board, not on the
-/// margin. `along` runs along the side, `out` leaves the lattice.
-bool side_is_closed(const cv::Mat& gray, const Lattice& lattice, const std::vector<LatticePlace>& side,
-                    LatticePlace along, LatticePlace out) {
+/// margin.
+///
+/// @param times  that the places which show margin must outnumber those which show more board
+bool side_is_closed(const cv::Mat& gray, const Lattice& lattice, const Side& side, int times = 2) {
+  const auto& [along, out] = side;
   int margins = 0, boards = 0;
-  const auto pixel = [&](LatticePlace at) -> const Saddle* {
+  constexpr double kBeyond = 1.15;  // margins are narrow; nearer, the edge of a square is blurred
+  const auto saddle_at = [&](LatticePlace at) -> const Saddle* {
     const auto found = lattice.find(at);
     return found == lattice.end() ? nullptr : &found->second;
   };
-  for (const LatticePlace& place : side) {
-    const Saddle* a = pixel(place);
-    const Saddle* b = pixel({place.first + along.first, place.second + along.second});
-    const Saddle* a_in = pixel({place.first - out.first, place.second - out.second});
-    const Saddle* b_in = pixel({place.first + along.first - out.first, place.second + along.second - out.second});
-    if (!a || !b || !a_in || !b_in) continue;
-    const Eigen::Vector2d middle = 0.5 * (a->pixel + b->pixel);
-    const Eigen::Vector2d step = middle - 0.5 * (a_in->pixel + b_in->pixel);
-    const double contrast = std::min(a->contrast, b->contrast);
+  for (const LatticePlace& place : places_along(lattice, side)) {
+    // Between two corners, and between those that lie `steps` further in.
+    const auto middle_of = [&](int steps) -> std::optional<Eigen::Vector2d> {
+      const LatticePlace in{place.first - steps * out.first, place.second - steps * out.second};
+      const Saddle *a = saddle_at(in), *b = saddle_at({in.first + along.first, in.second + along.second});
+      return a && b ? std::optional<Eigen::Vector2d>(0.5 * (a->pixel + b->pixel)) : std::nullopt;
+    };
+    const auto middle = middle_of(0), in = middle_of(1), further_in = middle_of(2);
+    if (!middle || !in) continue;
+    const Saddle &a = *saddle_at(place), &b = *saddle_at({place.first + along.first, place.second + along.second});
+    // Towards the rim of a fisheye squares become narrower, one after the other.
+    const Eigen::Vector2d last = *middle - *in, before = further_in ? Eigen::Vector2d(*in - *further_in) : last;
+    const Eigen::Vector2d step = std::clamp(2.0 - before.norm() / last.norm(), 0.5, 1.5) * last;
+    const double contrast = std::min(a.contrast, b.contrast);
     // The square that touches the side, and the one beyond it, or the margin.
-    const auto inner = grey_within(gray, middle + 0.5 * step);
-    const auto outer = grey_within(gray, middle + 1.3 * step);
+    const auto inner = grey_within(gray, *middle + 0.5 * step);
+    const auto outer = grey_within(gray, *middle + kBeyond * step);
     if (!inner || !outer) continue;
     const bool even = (place.first + place.second) % 2 == 0;
     const int quadrant = (along.first + out.first) * (along.second + out.second);
@@ -49,7 +77,7 @@ bool side_is_closed(const cv::Mat& gray, const Lattice& lattice, const std::vect
       if (*outer - *inner < 0.3 * contrast) boards += 1;
     }
   }
-  return margins >= 2 && margins > 2 * boards;
+  return margins >= 2 && margins > times * boards;
 }
 
 /// One way to lay the lattice on the board: quarter turns, then a shift.
@@ -169,23 +197,23 @@ bool same_but_turned(const Placement& a, const Placement& b, const Chessboard& b
 }  // namespace
 
 LatticeBorders closed_sides(const cv::Mat& gray, const Lattice& lattice) {
-  LatticeBorders closed;
-  if (lattice.empty()) return closed;
-  const LatticeExtent extent = extent_of(lattice);
-  std::vector<LatticePlace> left, right, top, bottom;
-  for (int y = extent.low_y; y < extent.high_y; ++y) {
-    left.push_back({extent.low_x, y});
-    right.push_back({extent.high_x, y});
+  if (lattice.empty()) return {};
+  const auto closed = [&](const Side& side) { return side_is_closed(gray, lattice, side); };
+  return {.low_x = closed(kLeft), .high_x = closed(kRight), .low_y = closed(kTop), .high_y = closed(kBottom)};
+}
+
+void drop_lines_on_margin(const cv::Mat& gray, Lattice& lattice) {
+  constexpr double kFew = 0.3;  // of the next line's corners: what an accident puts on the margin
+  for (const Side& side : {kLeft, kRight, kTop, kBottom}) {
+    if (lattice.empty()) return;
+    const std::vector<LatticePlace> outermost = places_along(lattice, side);
+    Lattice without = lattice;
+    for (const LatticePlace& place : outermost) without.erase(place);
+    if (without.empty()) return;
+    const auto next = static_cast<double>(places_along(without, side).size());
+    if (static_cast<double>(outermost.size()) > kFew * next) continue;
+    if (side_is_closed(gray, without, side, 1)) lattice = std::move(without);
   }
-  for (int x = extent.low_x; x < extent.high_x; ++x) {
-    top.push_back({x, extent.low_y});
-    bottom.push_back({x, extent.high_y});
-  }
-  closed.low_x = side_is_closed(gray, lattice, left, {0, 1}, {-1, 0});
-  closed.high_x = side_is_closed(gray, lattice, right, {0, 1}, {1, 0});
-  closed.low_y = side_is_closed(gray, lattice, top, {1, 0}, {0, -1});
-  closed.high_y = side_is_closed(gray, lattice, bottom, {1, 0}, {0, 1});
-  return closed;
 }
 
 std::optional<std::vector<Observation>> placed_on_board(const Lattice& lattice, const LatticeBorders& closed,

@@ -22,6 +22,10 @@ LatticeBorders closed_sides(const cv::Mat& gray, const Lattice& lattice);
 /// Cuts sparse lines off a lattice that is larger than the board: corners of something beside it.
 void trim_lattice(Lattice& lattice, const Chessboard& board);
 
+/// Cuts lines of few corners off where the lattice without them ends at the board's border: what stands on the margin, or
+/// beyond it, is no corner, and would leave a board that is seen in part at a wrong place.
+void drop_lines_on_margin(const cv::Mat& gray, Lattice& lattice);
+
 /// Ids of a lattice's corners on a board; nothing when it does not fit or fits in several ways that differ by more than
 /// a symmetry of the print.
 std::optional<std::vector<Observation>> placed_on_board(const Lattice& lattice, const LatticeBorders& closed,
