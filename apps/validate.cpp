@@ -39,13 +39,15 @@ struct CameraVerdict {
   double limit_px = 0.0;
   double min_share = 0.0;
   ResidualBias bias = {};
-  int views_apart = 0;  // of those used, in which another camera saw the board in another place
+  std::optional<double> own_rms_px = {};  // of a lens that is fitted to these images; nothing where they are too few
+  int views_apart = 0;                    // of those used, in which another camera saw the board in another place
 
   int views_fitting() const { return summary.views_used - views_apart; }
   double share() const { return summary.views_total > 0 ? double(views_fitting()) / summary.views_total : 0.0; }
   bool fits() const { return summary.views_used > 0 && summary.rms_px <= limit_px; }
   bool enough_views() const { return views_fitting() > 0 && share() >= min_share; }
   bool passed() const { return fits() && enough_views(); }
+  double times_own() const { return own_rms_px && *own_rms_px > 0 ? summary.rms_px / *own_rms_px : 1.0; }
 };
 
 double limit_px(const ValidateFlags& flags, const CalibrationFile& file, const std::string& camera) {
@@ -68,6 +70,7 @@ void print_json(const std::vector<CameraVerdict>& verdicts, const std::optional<
                        {"min_views_share", verdict.min_share},
                        {"corners_used", verdict.summary.corners_used},
                        {"residuals", json_from_bias(verdict.bias)},
+                       {"own_rms_px", verdict.own_rms_px ? nlohmann::ordered_json(*verdict.own_rms_px) : nullptr},
                        {"passed", verdict.passed()}});
   }
   nlohmann::ordered_json json{{"passed", passed}, {"cameras", cameras}};
@@ -87,6 +90,35 @@ void print_table(const std::vector<CameraVerdict>& verdicts) {
   fmt::print("{}", text_table(rows));
   for (const CameraVerdict& verdict : verdicts) {
     if (verdict.summary.views_used > 0) fmt::print("{}", bias_text(verdict.name, verdict.bias));
+  }
+}
+
+// What a lens that is fitted to these images leaves of them. A camera that has changed, or another one, may pass a gate that
+// was made for worse images.
+void fit_own_lenses(const CalibrationProblem& held, const CalibrateOptions& options,
+                    std::vector<CameraVerdict>& verdicts) {
+  constexpr int kFewestViews = 8;
+  CalibrationProblem free = held;
+  free.rules.clear();
+  try {
+    const CalibrationResult own = calibrate(free, options);
+    for (std::size_t c = 0; c < verdicts.size(); ++c) {
+      const bool enough = std::min(own.cameras[c].views_used, verdicts[c].summary.views_used) >= kFewestViews;
+      if (enough) verdicts[c].own_rms_px = own.cameras[c].rms_px;
+    }
+  } catch (const Error&) {
+    return;  // they do not tell a lens
+  }
+}
+
+void warn_of_other_lenses(const std::vector<CameraVerdict>& verdicts) {
+  constexpr double kMuch = 1.5;
+  for (const CameraVerdict& verdict : verdicts) {
+    if (!verdict.passed() || verdict.times_own() < kMuch) continue;
+    say_warning(
+        fmt::format("camera {} passes its gate, but a lens that is fitted to these images fits them {:.1f} times "
+                    "better, to {:.3f} px: the camera has changed since it was calibrated, or is another one",
+                    verdict.name, verdict.times_own(), *verdict.own_rms_px));
   }
 }
 
@@ -151,6 +183,8 @@ void run(const ValidateFlags& flags) {
     const auto camera = static_cast<std::size_t>(problem.views[aside.view].camera);
     verdicts[camera].views_apart += aside.scope == SetAside::Scope::kExtrinsics;
   }
+  fit_own_lenses(problem, options, verdicts);
+  warn_of_other_lenses(verdicts);
   std::optional<LaserVerdict> dots;
   if (file.calibration.laser && images.observations.problem.laser) {
     dots = judge_laser(file.calibration, images.observations.problem, result, flags.laser);

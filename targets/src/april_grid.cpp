@@ -281,8 +281,8 @@ std::string hint_for(const cv::Mat& gray, const Grid& grid, const MarkerSearch& 
                          board.top_down ? "leave top_down out" : "try :top_down (in TOML top_down = true)");
     }
     return fmt::format(
-        "{} tags of family {} seen, but they do not stand as on a board of {} x {} tags from tag {}: check columns, "
-        "rows and first_tag",
+        "{} tags of family {} seen, but too few that stand together as on a board of {} x {} tags from tag {}: take sharper "
+        "or nearer images, or check columns, rows and first_tag",
         search.markers.size(), board.family, board.columns, board.rows, board.first_tag);
   }
   if (search.unread.size() < 3) return {};

@@ -117,5 +117,23 @@ TEST(Calibrates, CharucoBoardsOfBothLayouts) {
   }
 }
 
+// Images of another camera pass a gate that was made for worse ones; a lens of their own tells.
+TEST(Validate, WarnsOfImagesThatALensOfTheirOwnFitsFarBetter) {
+  RAYBUNDLE_NEEDS_DATA("opencv_stereo_chess");
+  RAYBUNDLE_NEEDS_DATA("boofcv_stereo/Bumblebee2_Chess");
+  const fs::path folder = fresh_folder();
+  const std::string own = (real_data("opencv_stereo_chess") / "left*.jpg").string();
+  const std::string other = (real_data("boofcv_stereo/Bumblebee2_Chess") / "left*.jpg").string();
+  calibrate(folder, {"--target", "chessboard:9x6:25mm", "--camera", "left=" + own, "--model", "brown_conrady"});
+  const auto validated = [&](const char* board, const std::string& images) {
+    return raybundle_program({"validate", (folder / "out" / "calibration.json").string(), "--max-rms", "0.5",
+                              "--target", board, "--camera", "left=" + images});
+  };
+  const ProgramRun same = validated("chessboard:9x6:25mm", own), another = validated("chessboard:6x4:30mm", other);
+  EXPECT_EQ(same.exit_code, 0) << same.err;
+  EXPECT_EQ(same.err.find("is fitted to these images"), std::string::npos) << same.err;
+  EXPECT_NE(another.err.find("a lens that is fitted to these images fits them 4"), std::string::npos) << another.err;
+}
+
 }  // namespace
 }  // namespace raybundle::testing
