@@ -112,7 +112,7 @@ std::optional<ModelTrial> mending_model(const Halves& halves, int camera, const 
                                         double most_residuals, const CalibrateOptions& options,
                                         CrossValidation& result) {
   for (const ModelId richer : richer_models(halves.odd.cameras[camera].model)) {
-    const auto trial = try_model(halves, camera, richer, options);
+    auto trial = try_model(halves, camera, richer, options);
     if (!trial) continue;
     result.trials.push_back(*trial);
     if (trial->agrees && (!own || trial->rms_px <= most_residuals * own->rms_px)) return trial;
