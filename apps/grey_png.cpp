@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "big_endian.hpp"
 #include "png_filters.hpp"
 
 namespace raybundle::apps {
@@ -21,12 +22,6 @@ struct Release {
   void operator()(libdeflate_decompressor* inflater) const { libdeflate_free_decompressor(inflater); }
 };
 
-std::uint32_t number_at(std::string_view bytes, std::size_t at) {
-  std::uint32_t number = 0;
-  for (std::size_t i = at; i < at + 4; ++i) number = number << 8 | static_cast<std::uint8_t>(bytes[i]);
-  return number;
-}
-
 struct Chunk {
   std::string_view type, data;
   // What makes up an image is marked by a capital letter; the rest are comments.
@@ -37,11 +32,11 @@ struct Chunk {
 std::optional<Chunk> next_chunk(std::string_view& rest) {
   constexpr std::size_t kAround = 12;  // [bytes]: length, type, checksum
   if (rest.size() < kAround) return std::nullopt;
-  const std::size_t length = number_at(rest, 0);
+  const std::size_t length = big_endian(rest, 0, 4);
   if (rest.size() - kAround < length) return std::nullopt;
   const Chunk chunk{rest.substr(4, 4), rest.substr(8, length)};
   const bool sound =
-      !chunk.is_critical() || libdeflate_crc32(0, chunk.type.data(), 4 + length) == number_at(rest, 8 + length);
+      !chunk.is_critical() || libdeflate_crc32(0, chunk.type.data(), 4 + length) == big_endian(rest, 8 + length, 4);
   rest.remove_prefix(kAround + length);
   return sound ? std::optional(chunk) : std::nullopt;
 }
@@ -71,7 +66,7 @@ cv::Mat grey_of_plain_png(std::string_view bytes) {
   std::string_view rest = bytes.substr(kSignature);
   const auto header = next_chunk(rest);
   if (!header || header->type != "IHDR" || header->data.size() != kHeader || !is_plain(header->data)) return {};
-  const std::uint32_t width = number_at(header->data, 0), height = number_at(header->data, 4);
+  const std::uint32_t width = big_endian(header->data, 0, 4), height = big_endian(header->data, 4, 4);
   if (width == 0 || height == 0 || width > kLargest_px || height > kLargest_px) return {};
   const std::string compressed = compressed_rows(rest);
   const std::size_t size = static_cast<std::size_t>(height) * (1 + width);

@@ -12,6 +12,7 @@
 #include <new>
 #include <vector>
 
+#include "big_endian.hpp"
 #include "grey_png.hpp"
 #include "media/media.hpp"
 #include "raybundle/geometry/error.hpp"
@@ -142,12 +143,6 @@ cv::Mat grey_of_png(const std::string& bytes) {
   if (!few_pixels(width, height)) return {};
   cv::Mat image(static_cast<int>(height), static_cast<int>(width), bits == 8 ? CV_8U : CV_16U);
   return read_rows(reader, rows_of(image).data()) ? image : cv::Mat();
-}
-
-std::size_t big_endian(std::string_view bytes, std::size_t at, std::size_t size) {
-  std::size_t number = 0;
-  for (std::size_t i = at; i < at + size; ++i) number = number << 8 | static_cast<std::uint8_t>(bytes[i]);
-  return number;
 }
 
 // Behind the segments that say what the image is like; one of them may hold a thumbnail, which has an end of its own.

@@ -33,7 +33,8 @@ void require_images(const BoardedRig& boarded);
 /// @throws Error(kIo)
 void remove_former_images(const std::filesystem::path& folder, const std::vector<SimulatedCamera>& cameras);
 
-/// Renders and writes the images of all cameras and frames, whether they show the board or not. The number of threads does not change a bit.
+/// Renders and writes the images of all cameras and frames, whether they show the board or not. The number of threads
+/// does not change a bit.
 ///
 /// @param boarded  as require_images() lets it pass
 /// @throws Error(kIo)

@@ -311,10 +311,12 @@ CalibrationResult calibrate_weighing_priors(const CalibrationProblem& problem, c
 // What corners say of values that are kept against them.
 std::vector<std::string> contradicted_values(const CalibrationProblem& problem, const CalibrateOptions& options,
                                              const CalibrationResult& result) {
-  if (!keeps_values(problem)) return {};
-  const CalibrationProblem freed = without_kept_values(problem);
+  if (!keeps_values(problem) && !has_priors(problem)) return {};  // before thousands of views are copied
+  const CalibrationProblem kept = with_overruling_priors_kept(problem, result);
+  if (!keeps_values(kept)) return {};
+  const CalibrationProblem freed = without_kept_values(kept);
   try {
-    return contradictions(problem, result, freed, calibrate_weighing_priors(freed, options));
+    return contradictions(kept, result, freed, calibrate_weighing_priors(freed, options));
   } catch (const Error&) {  // the data do not determine what was given
     return {};
   }
@@ -342,8 +344,7 @@ CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrateOp
   check(problem);
   require_values(problem);  // refuses rules that match nothing, too
   CalibrationResult result = calibrate_weighing_priors(problem, options);
-  const CalibrationProblem kept = with_overruling_priors_kept(problem, result);
-  std::ranges::move(contradicted_values(kept, options, result), std::back_inserter(result.warnings));
+  std::ranges::move(contradicted_values(problem, options, result), std::back_inserter(result.warnings));
   std::ranges::move(data_warnings(problem, result), std::back_inserter(result.warnings));
   return result;
 }

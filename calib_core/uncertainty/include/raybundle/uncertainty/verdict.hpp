@@ -12,8 +12,8 @@
 
 namespace raybundle {
 
-/// Marginal: the requirement is met, but by less than a fifth (rms and coverage, which are no estimates, by anything
-/// at all), or something speaks against relying on it.
+/// Marginal: the requirement is met, but by less than a fifth, or something speaks against relying on it. Of rms and
+/// coverage, which are counted and not estimated, any margin will do.
 enum class Grade { kPass, kMarginal, kFail };
 
 /// "pass", "marginal", "fail"
