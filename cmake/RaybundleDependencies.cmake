@@ -17,8 +17,9 @@ if("core" IN_LIST Raybundle_WANTED)  # calib_core
   find_package(fmt REQUIRED)
   find_package(nlohmann_json REQUIRED)
   find_package(yaml-cpp REQUIRED)
+  find_package(tomlplusplus QUIET)  # of raybundle::toml alone
   find_package(OpenSSL 3 REQUIRED COMPONENTS Crypto)  # SHA-256
-  find_package(Mrcal)  # optional: a second opinion on calibrations
+  find_package(Mrcal ${Raybundle_MRCAL})  # optional for our build: a second opinion on calibrations
 endif()
 if("targets" IN_LIST Raybundle_WANTED)
   find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc calib3d features2d aruco objdetect)

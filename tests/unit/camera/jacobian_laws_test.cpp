@@ -109,14 +109,14 @@ TYPED_TEST(JacobianLaws, AreTheSameInLanes) {
     const std::vector<Vector3d> rays = rays_up_to(example.half_angle_rad);
     std::size_t taken = 0;
     for (std::size_t first = 0; first + Lanes::kCount <= rays.size(); first += Lanes::kCount) {
-      Lanes shape[kSome], ray[3], plane[2], wrt_ray[6], wrt_shape[2 * kSome];
+      Lanes shape[kSome], ray[3], plane[2], wrt_ray[6], wrt_shape[2 * kSome] = {};
       for (int k = 0; k < n; ++k) shape[k] = Lanes(example.shape[k]);
       load(&rays[first], ray);
       Lanes::disagreed = false;
       if (!M::plane_from_ray(shape, ray, plane, wrt_ray, wrt_shape) || Lanes::disagreed) continue;
       ++taken;
       for (int lane = 0; lane < Lanes::kCount; ++lane) {
-        double one[2], one_wrt_ray[6], one_wrt_shape[2 * kSome];
+        double one[2], one_wrt_ray[6], one_wrt_shape[2 * kSome] = {};
         ASSERT_TRUE(
             M::plane_from_ray(example.shape.data(), rays[first + lane].data(), one, one_wrt_ray, one_wrt_shape));
         // both sides round in another order
