@@ -14,6 +14,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -137,7 +138,9 @@ void print_memory(int frames) {
     std::fflush(stdout);
     _exit(0);
   }
-  waitpid(child, nullptr, 0);
+  int status = 1;
+  waitpid(child, &status, 0);
+  if (status != 0) throw std::runtime_error("the process whose memory is measured did not get to its end");
 }
 
 void print_limit(int repetitions) {

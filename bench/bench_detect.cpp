@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Processor time of detecting chessboards in real images: ours beside OpenCV's detectors, each with the flags that its
-// documentation recommends, alternating image by image on one thread. Boards found with all corners count as found;
-// `more` are those that ours finds in part. The images are decoded beforehand: that costs everyone the same.
+// documentation recommends, alternating image by image on one thread. Boards found with all corners are `full`, those
+// found without some `part`. The images are decoded beforehand: that costs everyone the same.
 // usage: bench_detect [images of each set, default all] [repetitions, default 1]
 #include <algorithm>
 #include <cstdio>

@@ -6,6 +6,7 @@
 // corners alone, beams as lines through their dots. By the clock on the wall, and by processor time beside it, because
 // other work may share the machine.
 // usage: bench_laser [repetitions]
+#include <malloc.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -15,6 +16,8 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
+#include <stdexcept>
 #include <vector>
 
 #include "laser_world.hpp"
@@ -126,12 +129,21 @@ double exponent(const std::vector<World>& worlds, const std::vector<Run>& runs, 
   return line[1];
 }
 
-// Peak of a process that makes the problem and solves it, over one that only makes it.
+// From now on the peak of this process is counted from what it holds by now, and not from what it has held [proc(5)].
+void forget_peak() {
+  malloc_trim(0);  // what was freed is no longer held
+  std::ofstream file("/proc/self/clear_refs");
+  file << 5 << std::flush;
+  if (!file) throw std::runtime_error("/proc/self/clear_refs: cannot be written");
+}
+
+// Peak of a joint solve over what its problem and start hold.
 void print_memory(int frames) {
   std::fflush(stdout);
   const pid_t child = fork();  // first of all, while this process is still small
   if (child == 0) {
     const World world = make_world(frames);
+    forget_peak();
     rusage before{}, after{};
     getrusage(RUSAGE_SELF, &before);
     BundleState state = world.start;
@@ -143,7 +155,9 @@ void print_memory(int frames) {
     std::fflush(stdout);
     _exit(0);
   }
-  waitpid(child, nullptr, 0);
+  int status = 1;
+  waitpid(child, &status, 0);
+  if (status != 0) throw std::runtime_error("the process whose memory is measured did not get to its end");
 }
 
 }  // namespace

@@ -28,17 +28,18 @@ using namespace raybundle::bench;
 
 /// How far the points of held-out boards lie off them at a depth.
 struct PlaneFigures {
-  double plane_mm = NAN;  // root mean square over a board's points, median over the boards
-  double dots_mm = NAN;   // root mean square over the points of all boards: oblique and outermost ones weigh most
+  double plane_mm = INFINITY;  // root mean square over a board's points, median over the boards
+  double dots_mm = INFINITY;   // root mean square over the points of all boards: oblique and outermost ones weigh most
 };
 
+/// Of a seed; infinitely bad unless it gives beams.
 struct Figures {
-  double depth_bias_mm = 0.0;          // of exact dots at 1 m: median over the beams of the absolute error
-  PlaneFigures half, one;              // of held-out boards at 0.5 m and at 1 m
-  PlaneFigures floor_half, floor_one;  // the same of the true calibration: what the dots' own noise costs
-  double warm_mm = 0.0;                // depth bias at 1 m when the laser is 10 K warmer
-  double retuned_mm = 0.0;             // and with the wavelength that five frames show
-  double wavelength_sigmas = 0.0;      // error of that wavelength
+  double depth_bias_mm = INFINITY;      // of exact dots at 1 m: median over the beams of the absolute error
+  PlaneFigures half, one;               // of held-out boards at 0.5 m and at 1 m
+  PlaneFigures floor_half, floor_one;   // the same of the true calibration: what the dots' own noise costs
+  double warm_mm = INFINITY;            // depth bias at 1 m when the laser is 10 K warmer
+  double retuned_mm = INFINITY;         // and with the wavelength that five frames show
+  double wavelength_sigmas = INFINITY;  // error of that wavelength
   int wrong_labels = 0;
   int unlabelled = 0;
   bool converged = false;
@@ -86,10 +87,7 @@ void add_drift(const SimulatedRig& rig, SimulateOptions options, Calibration fou
   const Simulation warm = simulate(rig, options);
   figures.warm_mm = depth_bias_mm(warm.truth, found);
   const auto wavelength = estimate_wavelength(found, warm.problem, true_poses(warm));
-  if (!wavelength) {
-    figures.retuned_mm = INFINITY;
-    return;
-  }
+  if (!wavelength) return;
   const double truth = 1.0 + options.warmer_K * rig.emitter->wavelength_drift_m_K / rig.emitter->wavelength_m;
   found.laser = at_wavelength(*found.laser, wavelength->scale);
   figures.retuned_mm = depth_bias_mm(warm.truth, found);

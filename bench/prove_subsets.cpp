@@ -199,7 +199,7 @@ int main(int argc, char** argv) {
   }
   if (table.empty()) {
     fmt::print("there are no real images here: RAYBUNDLE_DATA names their folder\n");
-    return 0;
+    return 1;
   }
   fmt::print("{:<22} {:<18} {:>6} {:>5} {:>8} {:>8} {:>7} {:>10}\n{}", "set", "model", "rms px", "same", "refused",
              "outside", "sigmas", "compared", table);

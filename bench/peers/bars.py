@@ -24,75 +24,90 @@ def verdict(what, figure, bar, passed):
     return f"{'passed' if passed else 'FAILED'}: {what}: {figure}, bar {bar}"
 
 
-def time_of(by_peer, peer):
-    """A peer's time on a problem: the median of the processor's on one core, on two the least on the wall.
+def not_measured(what, bar):
+    """A bar does not go away with its figure."""
+    return verdict(what, "not measured", bar, False)
 
-    The scheduler of a virtual machine may leave the second thread of a short run where the first one is.
+
+def time_of(by_peer, peer):
+    """A peer's time on a problem, median: the processor's on one core, on two that on the wall."""
+    return median(by_peer, peer, "wall_s" if peer.endswith(TWO_CORES) else "cpu_s")
+
+
+def stopped_after(by_peer, peer):
+    """What a peer that was stopped had taken by then, on the clock of time_of; None where that is not known.
+
+    The limit is of processor time, of which two cores spend up to twice what passes on the wall.
     """
-    if not peer.endswith(TWO_CORES) or median(by_peer, peer, "wall_s") is None:
-        return median(by_peer, peer, "cpu_s")
-    return min(run["wall_s"] for run in by_peer[peer])
+    run = (by_peer.get(peer) or [{}])[0]
+    if not str(run.get("failed", "")).startswith(">"):
+        return None
+    return run.get("process_wall_s") if peer.endswith(TWO_CORES) else by_peer["truth"]["limit_s"]
 
 
 def ratio_of_times(by_peer, peer, own):
-    """How many times the peer's time is ours, and that as text; nothing where either was not run."""
-    ours, theirs = time_of(by_peer, own), time_of(by_peer, peer)
-    runs = by_peer.get(peer) or [{}]
-    more = ""
-    if theirs is None and str(runs[0].get("failed", "")).startswith(">"):
-        theirs, more = by_peer["truth"]["limit_s"], "more than "
+    """How many times the peer's time is ours, and that as text; nothing where either is not known."""
+    ours, theirs, more = time_of(by_peer, own), time_of(by_peer, peer), ""
+    if theirs is None:
+        theirs, more = stopped_after(by_peer, peer), "more than "
     return (theirs / ours, f"{more}{theirs / ours:.1f}×") if ours and theirs else None
 
 
 def faster(results, problem, peer, bar):
     """On two cores what does the peers' work is judged; one thread, and what does much more besides, are told.
 
-    Without a bar all is told.
+    Without a bar all is told. A peer without a figure is told, too; we have to have one.
     """
     by_peer = results.get(problem, {})
     out = []
     for their, own in ((peer + TWO_CORES, PLAIN + TWO_CORES), (peer, PLAIN), (peer, WHOLE)):
         found = ratio_of_times(by_peer, their, own)
-        if not found:
-            continue
         what = f"{problem} views, time of {their} over that of {own}"
         judged = bar and own.endswith(TWO_CORES)
-        out.append(verdict(what, found[1], f"{bar}×", found[0] >= bar) if judged else f"information: {what}: {found[1]}")
+        if judged and time_of(by_peer, own) is None:
+            out.append(not_measured(what, f"{bar}×"))
+        elif judged and found:
+            out.append(verdict(what, found[1], f"{bar}×", found[0] >= bar))
+        elif judged or found:
+            out.append(f"information: {what}: {found[1] if found else 'the peer has no figure'}")
     return out
 
 
 def growth(results, family, own):
-    points = [
-        (math.log(int(name.split(" ")[1])), math.log(median(by_peer, own, "cpu_s")))
+    what = f"{family}, growth of the time of {own} with the views, fitted exponent"
+    times = {
+        int(name.split(" ")[1]): median(by_peer, own, "cpu_s")
         for name, by_peer in results.items()
-        if name.split(" ")[0] == family and len(name.split(" ")) == 2 and median(by_peer, own, "cpu_s")
-    ]
-    if len(points) < 3:
-        return []
-    x, y = zip(*points)
+        if name.split(" ")[0] == family and len(name.split(" ")) == 2
+    }
+    if len(times) < 3 or None in times.values():
+        return [not_measured(what, "1.05")]
+    x, y = ([math.log(value) for value in side] for side in (times, times.values()))
     slope = statistics.linear_regression(x, y).slope
-    return [verdict(f"{family}, growth of the time of {own} with the views, fitted exponent", f"{slope:.3f}", "1.05", slope <= 1.05)]
+    return [verdict(what, f"{slope:.3f}", "1.05", slope <= 1.05)]
 
 
 def memory(results, problem):
     by_peer = results.get(problem, {})
     out = []
     for peer in OWN:
+        what = f"{problem} views, peak memory of {peer}"
         peak = median(by_peer, peer, "peak_mb")
         if peak is None:
+            out.append(not_measured(what, "50 MB and 200 bytes for each corner"))
             continue
         corners = by_peer["truth"]["views"] * by_peer["truth"]["rows"] * by_peer["truth"]["columns"]
         bar = 50 + 200 * corners / 2**20
-        out.append(verdict(f"{problem} views, peak memory of {peer}", f"{peak:.0f} MB", f"{bar:.0f} MB", peak <= bar))
+        out.append(verdict(what, f"{peak:.0f} MB", f"{bar:.0f} MB", peak <= bar))
     return out
 
 
 def costs_at_most(results, problem, plain, factor):
     slow = median(results.get(problem, {}), "raybundle", "cpu_s")
     fast = median(results.get(plain, {}), "raybundle, flat board", "cpu_s")
-    if not slow or not fast:
-        return []
     what = f"{problem}, time against the flat board without outliers"
+    if not slow or not fast:
+        return [not_measured(what, f"{factor}×")]
     return [verdict(what, f"{slow / fast:.2f}×", f"{factor}×", slow <= factor * fast)]
 
 
@@ -132,4 +147,8 @@ def judge(results, draws):
         lines += memory(results, f"{family} 5000")
         lines += costs_at_most(results, f"{family} 200 outliers", f"{family} 200", 2)
         lines += costs_at_most(results, f"{family} 200 bent", f"{family} 200", 2)
-    return lines + on_one_draw(results) + run_draws.verdicts(draws)
+    lines += on_one_draw(results) + run_draws.verdicts(draws)
+    for problem in run_draws.PROBLEMS:
+        if problem not in draws:
+            lines.append(not_measured(f"{problem} views, true error over draws of the noise", run_draws.SLACK))
+    return lines

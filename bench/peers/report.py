@@ -149,9 +149,9 @@ INTRODUCTION = """# Benchmarks beside the peers
 
 Written by `./dev bench peers`{full} on {machine}. The machine may have had other work: figures are **processor time** of
 one calibration on one thread, from observations in memory, start values included (pycolmap has none: it is given a start
-near the truth), and where a name says two cores, the least that passed on the wall; medians of runs in which the peers took
-turns, each run a process of its own; in brackets the ratio to `raybundle`. `>` means that the solve was stopped, or by its
-smaller sizes would have been.
+near the truth), and where a name says two cores, what passed on the wall; medians of runs in which the peers took turns, each
+run a process of its own; in brackets the ratio to `raybundle`. `>` means that the solve was stopped, or by its smaller sizes
+would have been.
 
 Problems come from one generator (`bench/peers/generate_problem.cpp`): boards of 14 × 10 corners, 25 mm, seen whole, 0.3 px
 noise, 1280 × 960 images; `kb130` and `kb150` are Kannala-Brandt lenses with 130° and 150° across the image, `rational70` a
@@ -171,13 +171,13 @@ start values and least squares only, which is what most peers do; OpenCV and pyc
 """
 
 
-# What other programs of bench/ printed in the same run.
+# What other programs of bench/ printed in the same run, and whether they judge it.
 OTHER_PROOFS = (
-    ("True error against the bound, over many draws of the noise", "true_error.txt"),
-    ("Start values against one plain solve from them", "start.txt"),
-    ("The bundle alone: a hand-written limit, growth, threads, what else it may have to do", "bundle.txt"),
-    ("Detectors on one thread beside Debian's OpenCV", "detect.txt"),
-    ("A laser of 304 beams beside a camera", "laser.txt"),
+    ("True error against the bound, over many draws of the noise", "true_error.txt", True),
+    ("Start values against one plain solve from them", "start.txt", True),
+    ("The bundle alone: a hand-written limit, growth, threads, what else it may have to do", "bundle.txt", True),
+    ("Detectors on one thread beside Debian's OpenCV", "detect.txt", False),
+    ("A laser of 304 beams beside a camera", "laser.txt", True),
 )
 
 
@@ -185,13 +185,15 @@ def all_bars(results):
     """The bars judged on this run's figures, and those that the other programs judged themselves."""
     stored = run_draws.STORED
     lines = bars.judge(results, json.loads(stored.read_text()) if stored.exists() else {})
-    for _, name in OTHER_PROOFS:
+    for _, name, judges in OTHER_PROOFS:
         text = (WORK / name).read_text() if (WORK / name).exists() else ""
+        proof, verdicts = name.removesuffix(".txt"), []
         for line in text.splitlines():
             verdict = re.search(r"passed|holds|FAILED|MISSED", line)
             if verdict:
                 passed = verdict.group() in ("passed", "holds")
-                lines.append(f"{'passed' if passed else 'FAILED'}: {name.removesuffix('.txt')}: {' '.join(line.split())}")
+                verdicts.append(f"{'passed' if passed else 'FAILED'}: {proof}: {' '.join(line.split())}")
+        lines += verdicts or ([f"FAILED: {proof}: not measured"] if judges else [])
     return lines
 
 
@@ -220,7 +222,7 @@ def page(results):
             parts.append("Worst place / rotation of a camera against the first\n\n" + table(results, names, extrinsics_cell))
         parts.append("Memory [MB]\n\n" + table(results, names, memory_cell))
     parts.append("## What each was asked for\n\n" + asked(results))
-    for heading, name in OTHER_PROOFS:
+    for heading, name, _ in OTHER_PROOFS:
         if (WORK / name).exists():
             parts.append(f"## {heading}\n\n```\n{(WORK / name).read_text()}```\n")
     detection = WORK / "detection.md"

@@ -11,7 +11,6 @@ import json
 import multiprocessing
 import os
 import pathlib
-import resource
 import subprocess
 import sys
 import tempfile
@@ -55,39 +54,44 @@ def chessboard_either(job):
     return chessboard_classic(job) or chessboard_sb_plain(job)
 
 
-def aruco_two_bit(job):
-    image = grey(job[0])
+def aruco_two_bit():
     parameters = cv2.aruco.DetectorParameters()
     parameters.markerBorderBits = 2
     parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
     detector = cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_APRILTAG_36H11), parameters)
-    return 4 * len(detector.detectMarkers(image)[0])
+    return lambda job: 4 * len(detector.detectMarkers(grey(job[0]))[0])
 
 
-def pupil(job):
+def pupil():
     import pupil_apriltags
 
-    return 4 * len(pupil_apriltags.Detector(families="tag36h11").detect(grey(job[0])))
+    detector = pupil_apriltags.Detector(families="tag36h11")
+    return lambda job: 4 * len(detector.detect(grey(job[0])))
 
 
-def one_thread():
+def start_worker(make, all_started):
+    """What is paid once: the detector, and that OpenCV keeps to one thread."""
+    global detect
     cv2.setNumThreads(1)
+    detect = make()
+    all_started.wait()
 
 
-def measure_function(function, images, columns, rows):
+def run_job(job):
+    return detect(job)
+
+
+def measure_function(make, images, columns, rows):
     """Seconds, and corners found in each image; two processes, as the program has two threads."""
     jobs = [(str(path), columns, rows) for path in images]
-    with multiprocessing.Pool(WORKERS, initializer=one_thread) as pool:
-        pool.map(chessboard_fast_warm, range(WORKERS))
+    all_started = multiprocessing.Barrier(WORKERS + 1, timeout=60)
+    with multiprocessing.Pool(WORKERS, initializer=start_worker, initargs=(make, all_started)) as pool:
+        all_started.wait()
         begin, before = time.perf_counter(), children_cpu_s(pool)
-        found = pool.map(function, jobs, chunksize=1)
+        found = pool.map(run_job, jobs, chunksize=1)
         wall, cpu = time.perf_counter() - begin, children_cpu_s(pool) - before
         peak = sum(peak_of(worker.pid) for worker in pool._pool)
     return wall, cpu, peak, found
-
-
-def chessboard_fast_warm(_):
-    return 0
 
 
 def children_cpu_s(pool):
@@ -103,15 +107,25 @@ def peak_of(pid):
     return 0.0
 
 
+# Runs a command and then says what it took. A process begins with the peak memory of the one that it was started from,
+# and this one, with OpenCV in it, is larger than what it measures.
+LAUNCHER = """
+import os, sys, time
+begin = time.perf_counter()
+_, status, usage = os.wait4(os.posix_spawnp(sys.argv[1], sys.argv[1:], os.environ), 0)
+print(time.perf_counter() - begin, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024, file=sys.stderr)
+sys.exit(os.waitstatus_to_exitcode(status))
+"""
+
+
 def timed(command):
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    begin = time.perf_counter()
-    done = subprocess.run(["/usr/bin/time", "-f", "%M", *command] if pathlib.Path("/usr/bin/time").exists() else command,
-                          capture_output=True)
-    wall = time.perf_counter() - begin
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    return wall, cpu, done
+    """Seconds on the wall, of the processor, peak MB, and what the process printed; stops when it fails."""
+    launched = [sys.executable, "-I", "-S", "-c", LAUNCHER, *map(str, command)]
+    done = subprocess.run(launched, capture_output=True, text=True)
+    if done.returncode:
+        sys.exit(done.stderr)
+    wall, cpu, peak = map(float, done.stderr.splitlines()[-1].split())
+    return wall, cpu, peak, done.stdout
 
 
 def raybundle(build, images, target):
@@ -123,40 +137,37 @@ def raybundle(build, images, target):
         output = pathlib.Path(folder) / "observations.json"
         command = [build / "raybundle", "detect", "--target", target, "--camera", f"camera={listed}/*", "--threads",
                    str(WORKERS), "--no-cache", "-o", output]
-        starts = [timed([str(build / "raybundle"), "--version"])[:2] for _ in range(3)]  # the first may wait for the disk
+        starts = [timed([build / "raybundle", "--version"])[:2] for _ in range(3)]  # the first may wait for the disk
         start_wall, start_cpu = min(wall for wall, _ in starts), min(cpu for _, cpu in starts)
-        wall, cpu, done = timed([str(word) for word in command])
+        wall, cpu, peak, _ = timed(command)
         wall, cpu = wall - start_wall, cpu - start_cpu
-        if not output.exists():
-            raise SystemExit(done.stderr.decode())
         views = json.loads(output.read_text())["views"]
-    last = done.stderr.decode().strip().splitlines()[-1:]
-    peak = int(last[0]) / 1024 if last and last[0].isdigit() else float("nan")
     found = [len(view["points"]) for view in views]
     return wall, cpu, peak, found + [0] * (len(images) - len(found))
 
 
-def mrgingham(images, columns, rows):
-    """It knows square boards only: every other one it cannot find."""
-    if columns != rows:
+def mrgingham(images, columns, rows, target):
+    """It knows square chessboards only: every other board it cannot find."""
+    if columns != rows or not target.startswith("chessboard:"):
         return None
-    wall, cpu, done = timed(["mrgingham", "--jobs", str(WORKERS), "--gridn", str(columns), *map(str, images)])
-    lines = [line.split() for line in done.stdout.decode().splitlines() if not line.startswith("#")]
+    wall, cpu, peak, text = timed(["mrgingham", "--jobs", WORKERS, "--gridn", columns, *images])
+    lines = [line.split() for line in text.splitlines() if not line.startswith("#")]
     found = {}
     for words in lines:
         if words[1] != "-":
             found[words[0]] = found.get(words[0], 0) + 1
-    return wall, cpu, float("nan"), [found.get(str(path), 0) for path in images]
+    return wall, cpu, peak, [found.get(str(path), 0) for path in images]
 
 
 def data_sets(data):
-    """name, images, columns and rows of inner corners, target, detectors."""
+    """name, images, columns and rows of inner corners, target, what makes the detectors, once for each worker."""
     boards = {
         "findChessboardCorners + cornerSubPix": chessboard_classic,
         "findChessboardCornersSB": chessboard_sb_plain,
         "findChessboardCornersSB EXHAUSTIVE ACCURACY": chessboard_sb,
         "classic, then SB where it fails": chessboard_either,
     }
+    boards = {label: lambda function=function: function for label, function in boards.items()}
     tags = {"ArucoDetector, two-bit border": aruco_two_bit, "pupil-apriltags": pupil}
     kinds = {".png", ".jpg", ".jpeg", ".bmp", ".pgm"}
 
@@ -190,14 +201,17 @@ def main():
         "|---|---|---|---|---|---|---|",
     ]
     verdicts = []
-    for name, images, columns, rows, target, functions in data_sets(data):
-        if options.sets not in name or not images:
+    for name, images, columns, rows, target, makers in data_sets(data):
+        if options.sets not in name:
+            continue
+        if not images:
+            verdicts.append(f"- FAILED: {name}: not measured, its images are not in {data.name}")
             continue
         best = {}
         for _ in range(options.repetitions):
             runs = {"raybundle detect": lambda: raybundle(options.build, images, target)}
-            runs |= {label: lambda f=function: measure_function(f, images, columns, rows) for label, function in functions.items()}
-            runs["mrgingham"] = lambda: mrgingham(images, columns, rows)
+            runs |= {label: lambda m=make: measure_function(m, images, columns, rows) for label, make in makers.items()}
+            runs["mrgingham"] = lambda: mrgingham(images, columns, rows, target)
             for label, run in runs.items():
                 figures = run()
                 if figures and (label not in best or figures[1] < best[label][1]):

@@ -25,7 +25,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 WORK = ROOT / "build" / "peers"
 SHORT_S, SHORT_RUNS = 0.02, 10  # solves that are over so soon are run so often, or chance decides what they take
-TWO_CORES = ", two cores"  # ends the name of a peer that may use them; its figure is the shortest time on the wall
+TWO_CORES = ", two cores"  # ends the name of a peer that may use them; its figure is the time on the wall
 DEBIAN = "/usr/bin/python3"
 PYPI = str(WORK / "venv" / "bin" / "python")
 
@@ -166,7 +166,7 @@ def measure(name, folder, results, options):
                 continue
             run = run_once(([*command, str(folder)], arguments), options.limit_s, peer)
             add_extrinsics(run, folder)
-            runs.append(run)
+            runs[:] = [run] if "failed" in run else [*runs, run]
             spent[peer] = spent.get(peer, 0) + run["process_cpu_s"]
             told = run.get("failed") or f"{1e3 * run['cpu_s']:.1f} ms cpu, {1e3 * run['wall_s']:.1f} ms wall"
             if repetition == 0:
@@ -185,10 +185,13 @@ def add_extrinsics(run, folder):
 
 def problem_folder(name, flags, build):
     folder = WORK / "problems" / re.sub(r"[ +]", "_", name)
-    program = build / "generate_problem"
-    stamp = folder / "problem.json"
-    if not stamp.exists() or stamp.stat().st_mtime < program.stat().st_mtime:
-        subprocess.run([program, folder, *flags], check=True)
+    program, wanted = build / "generate_problem", json.dumps(flags)
+    made_of = folder / "flags.json"  # written last
+    if made_of.exists() and made_of.read_text() == wanted and made_of.stat().st_mtime > program.stat().st_mtime:
+        return folder
+    made_of.unlink(missing_ok=True)
+    subprocess.run([program, folder, *flags], check=True)
+    made_of.write_text(wanted)
     return folder
 
 
