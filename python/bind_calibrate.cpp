@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: The Raybundle authors
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
 #include <pybind11/stl/filesystem.h>
 
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <type_traits>
 
@@ -17,9 +19,10 @@ namespace {
 
 namespace py = pybind11;
 
-/// A result with the problem that it answers.
+/// A result with the problem that it answers, and how.
 struct Solved {
   CalibrationProblem problem;
+  CalibrateOptions options;
   CalibrationResult result;
 };
 
@@ -42,14 +45,24 @@ CalibrateOptions options_from(const py::kwargs& words) {
 }
 
 Solved solve(const CalibrationProblem& problem, const py::kwargs& words) {
-  const CalibrateOptions options = options_from(words);
-  Solved solved{problem, {}};
+  Solved solved{problem, options_from(words), {}};
   const py::gil_scoped_release others_may_run;  // who may change the problem, but not the copy
-  solved.result = calibrate(solved.problem, options);
+  solved.result = calibrate(solved.problem, solved.options);
   return solved;
 }
 
-Provenance provenance_of_python() { return {"raybundle.calibrate() of the Python module", {}, {}, {}}; }
+Provenance provenance_of(const CalibrateOptions& options) {
+  Provenance provenance{"raybundle.calibrate() of the Python module", {}, {}, {{"raybundle", RAYBUNDLE_VERSION}}};
+  CalibrateOptions::for_each_option(options, [&](std::string_view name, const char*, const char*, const auto& value) {
+    if (name == "threads") return;  // the result does not depend on them
+    provenance.options.emplace_back(name, fmt::format("{}", value));
+  });
+  return provenance;
+}
+
+CalibrationFile file_of(const Solved& solved) {
+  return calibration_file(solved.problem, solved.result, provenance_of(solved.options));
+}
 
 // Residuals of a view, one row for each of its observations; NaN for those that were left out.
 Rows<2> residuals_of(const Solved& solved, std::size_t view) {
@@ -64,7 +77,7 @@ Rows<2> residuals_of(const Solved& solved, std::size_t view) {
 
 void bind_calibrate(py::module_& module) {
   py::class_<Solved>(module, "Result", "Everything a solve can be audited by.")
-      .def_property_readonly("calibration", [](const Solved& solved) { return solved.result.calibration; })
+      .def_property_readonly("calibration", &file_of)
       .def_property_readonly("rms_px", [](const Solved& solved) { return solved.result.rms_px; })
       .def_property_readonly("warnings", [](const Solved& solved) { return solved.result.warnings; })
       .def_property_readonly(
@@ -92,14 +105,12 @@ void bind_calibrate(py::module_& module) {
            "Measured minus projected (N, 2) [px] of a view's observations; NaN for those that were left out.")
       .def(
           "write_calibration",
-          [](const Solved& solved, const std::filesystem::path& path) {
-            write_calibration(path, calibration_file(solved.problem, solved.result, provenance_of_python()));
-          },
+          [](const Solved& solved, const std::filesystem::path& path) { write_calibration(path, file_of(solved)); },
           py::arg("path"), "Writes calibration.json, whole or not at all.")
       .def(
           "write_report",
           [](const Solved& solved, const std::filesystem::path& path) {
-            write_report(path, solved.problem, solved.result, {{}, provenance_of_python()});
+            write_report(path, solved.problem, solved.result, {{}, provenance_of(solved.options)});
           },
           py::arg("path"), "Writes report.json, of which `raybundle report` makes a page.");
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "bindings.hpp"
 #include "raybundle/geometry/error.hpp"
@@ -19,8 +20,9 @@ namespace {
 namespace py = pybind11;
 
 // By the noise of the corners, by how the frames scatter, or, for each pixel, by whichever is larger.
-Eigen::VectorXd projection_sigma(const Calibration& calibration, const std::string& camera,
+Eigen::VectorXd projection_sigma(const CalibrationFile& file, const std::string& camera,
                                  const Eigen::Ref<const Rows<2>>& pixels, double range_m, const std::string& by) {
+  const Calibration& calibration = file.calibration;
   if (by != "larger" && by != "corners" && by != "frames")
     throw py::value_error("by is 'larger', 'corners' or 'frames'");
   if (!(range_m > 0.0)) throw py::value_error("range_m has to be above 0; math.inf is for points that are far away");
@@ -41,6 +43,16 @@ Eigen::VectorXd projection_sigma(const Calibration& calibration, const std::stri
     }
   }
   return sigmas;
+}
+
+CalibrationFile without_sigmas(std::vector<RigCamera> cameras) {
+  // With evidence, but without the covariance that belongs to it, they would seem to be perfectly known.
+  for (RigCamera& camera : cameras) camera.evidence.reset();
+  CalibrationFile file;
+  file.calibration.cameras = std::move(cameras);
+  file.provenance.command = "raybundle.Calibration() of the Python module";
+  file.provenance.versions = {{"raybundle", RAYBUNDLE_VERSION}};
+  return file;
 }
 
 // What was held has no sigma, and what is misspelt has none either: neither is perfectly known.
@@ -97,52 +109,57 @@ void bind_parts(py::module_& module) {
 
 void bind_calibration(py::module_& module) {
   bind_parts(module);
-  py::class_<Calibration>(module, "Calibration",
-                          "What is saved: cameras, extrinsics, beams, and how well they are known.")
-      .def(py::init([](const std::vector<RigCamera>& cameras) {
-             Calibration calibration;
-             calibration.cameras = cameras;
-             return calibration;
-           }),
-           py::arg("cameras"), "Cameras without sigmas, as from another program.")
-      .def_readonly("cameras", &Calibration::cameras)
-      .def("__getitem__", &camera_named, py::arg("name"), py::return_value_policy::reference_internal)
-      .def_readonly("covariance", &Calibration::covariance, "for errors that are independent from corner to corner")
-      .def_readonly("covariance_by_frame", &Calibration::covariance_by_frame,
-                    "from how the frames disagree; None for fewer than ten frames")
+  py::class_<CalibrationFile>(module, "Calibration",
+                              "What is saved: cameras, extrinsics, beams, and how well they are known.")
+      .def(py::init(&without_sigmas), py::arg("cameras"), "Cameras without sigmas, as from another program.")
+      .def_property_readonly(
+          "cameras",
+          [](const CalibrationFile& file) -> const std::vector<RigCamera>& { return file.calibration.cameras; })
+      .def(
+          "__getitem__",
+          [](const CalibrationFile& file, const std::string& name) -> const RigCamera& {
+            return camera_named(file.calibration, name);
+          },
+          py::arg("name"), py::return_value_policy::reference_internal)
+      .def_property_readonly(
+          "covariance", [](const CalibrationFile& file) -> const Covariance& { return file.calibration.covariance; },
+          "for errors that are independent from corner to corner")
+      .def_property_readonly(
+          "covariance_by_frame",
+          [](const CalibrationFile& file) -> const std::optional<Covariance>& {
+            return file.calibration.covariance_by_frame;
+          },
+          "from how the frames disagree; None for fewer than ten frames")
       .def_property_readonly("beams",
-                             [](const Calibration& calibration) {
-                               return calibration.laser ? calibration.laser->beams : std::vector<LaserBeam>{};
+                             [](const CalibrationFile& file) {
+                               const auto& laser = file.calibration.laser;
+                               return laser ? laser->beams : std::vector<LaserBeam>{};
                              })
       .def(
           "projection_sigma", &projection_sigma, py::arg("camera"), py::arg("pixels"),
           py::arg("range_m") = kInfinitelyFar, py::arg("by") = "larger",
           "Standard deviations (N) [px] of where a camera sees points that it now sees at pixels (N, 2), at a range: by "
           "the noise of the corners, by how the frames scatter, or the larger of both. NaN where there is no ray.")
-      .def("__len__", [](const Calibration& calibration) { return calibration.cameras.size(); })
+      .def("__len__", [](const CalibrationFile& file) { return file.calibration.cameras.size(); })
       .def("__contains__",
-           [](const Calibration& calibration, const std::string& name) {
-             return std::ranges::find(calibration.cameras, name, &RigCamera::name) != calibration.cameras.end();
+           [](const CalibrationFile& file, const std::string& name) {
+             const std::vector<RigCamera>& cameras = file.calibration.cameras;
+             return std::ranges::find(cameras, name, &RigCamera::name) != cameras.end();
            })
       .def(
           "__iter__",
-          [](const Calibration& calibration) {
-            return py::make_iterator(calibration.cameras.begin(), calibration.cameras.end());
+          [](const CalibrationFile& file) {
+            return py::make_iterator(file.calibration.cameras.begin(), file.calibration.cameras.end());
           },
           py::keep_alive<0, 1>());
 
-  module.def(
-      "read_calibration", [](const std::filesystem::path& path) { return read_calibration(path).calibration; },
-      py::arg("path"), "Reads calibration.json and replays its self-test.");
+  module.def("read_calibration", &read_calibration, py::arg("path"),
+             "Reads calibration.json and replays its self-test.");
   module.def(
       "write_calibration",
-      [](const Calibration& calibration, const std::filesystem::path& path) {
-        CalibrationFile file;
-        file.calibration = calibration;
-        file.provenance.command = "raybundle.write_calibration() of the Python module";
-        write_calibration(path, file);
-      },
-      py::arg("calibration"), py::arg("path"), "Writes calibration.json, whole or not at all.");
+      [](const CalibrationFile& file, const std::filesystem::path& path) { write_calibration(path, file); },
+      py::arg("calibration"), py::arg("path"),
+      "Writes calibration.json, whole or not at all; of one that was read, with all that its file said.");
 }
 
 }  // namespace raybundle::python

@@ -34,6 +34,16 @@ void add_target(CalibrationProblem& problem, const std::string& name, const Eige
   problem.targets.push_back(target);
 }
 
+// Without a name it is the board that there is, if there is one only.
+int target_of_view(const CalibrationProblem& problem, const std::string& name) {
+  if (!name.empty()) return index_named(problem.targets, name, "target", &Target::name);
+  if (problem.targets.size() == 1) return 0;
+  if (problem.targets.empty()) throw Error(ErrorKind::kBadInput, "there is no target; add one before its views");
+  throw Error(ErrorKind::kBadInput, "there are " + std::to_string(problem.targets.size()) +
+                                        " targets; say which one the view shows, as target='" +
+                                        problem.targets.back().name + "'");
+}
+
 void add_view(CalibrationProblem& problem, const std::string& camera, const std::string& frame,
               const std::vector<int>& ids, const Eigen::Ref<const Rows<2>>& pixels, double sigma_px,
               const std::string& target) {
@@ -42,7 +52,7 @@ void add_view(CalibrationProblem& problem, const std::string& camera, const std:
   }
   TargetView view;
   view.camera = index_named(problem.cameras, camera, "camera", &ProblemCamera::name);
-  view.target = target.empty() ? 0 : index_named(problem.targets, target, "target", &Target::name);
+  view.target = target_of_view(problem, target);
   const auto known = std::ranges::find(problem.frames, frame);
   view.frame = static_cast<int>(known - problem.frames.begin());
   for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -68,7 +78,8 @@ void bind_problem(py::module_& module) {
            "A board with points (N, 3) [m] in its own frame; a point's id is its row.")
       .def("add_view", &add_view, py::arg("camera"), py::arg("frame"), py::arg("ids"), py::arg("pixels"),
            py::arg("sigma_px") = 1.0, py::arg("target") = "",
-           "What a camera saw of a board in a frame: pixels (N, 2) of the points with these ids.")
+           "What a camera saw of a board in a frame: pixels (N, 2) of the points with these ids. `target` names the "
+           "board where there are several.")
       .def(
           "fix",
           [](CalibrationProblem& problem, const std::string& pattern, double value) {

@@ -144,9 +144,34 @@ class Calibrates(unittest.TestCase):
         self.assertEqual(calibration["left"].camera.named_parameters()["k4"], 0.0)
         with self.assertRaisesRegex(raybundle.Error, "left.k4' is not among the names"):
             calibration.covariance.sigma("left.k4")
+        for rule, values in (("fix", (math.nan,)), ("prior", (math.nan, 0.1))):
+            problem = problem_of(true_rig(), noise_px=0.1)
+            getattr(problem, rule)("*.k3", *values)
+            with self.assertRaisesRegex(raybundle.Error, r"the value for '\*.k3' is not a finite number"):
+                raybundle.calibrate(problem)
+
+    def test_several_boards_are_told_apart_by_name(self):
+        problem = raybundle.Problem()
+        problem.add_camera("left", "kannala_brandt", 640, 480)
+        view = ("left", "frame 1", [0], [[1.0, 2.0]])
+        with self.assertRaisesRegex(raybundle.Error, "there is no target"):
+            problem.add_view(*view)
+        problem.add_target("board", BOARD)
+        problem.add_view(*view)
+        problem.add_target("other", BOARD)
+        with self.assertRaisesRegex(raybundle.Error, "there are 2 targets; say which one the view shows"):
+            problem.add_view(*view)
+        problem.add_view(*view, target="other")
+        self.assertEqual(len(problem), 2)
+
+    def test_cameras_without_their_covariance_have_no_sigmas(self):
+        calibration = raybundle.calibrate(problem_of(true_rig(), noise_px=0.1)).calibration
+        alone = raybundle.Calibration([calibration["left"]])
+        with self.assertRaisesRegex(raybundle.Error, "does not tell where the corners of camera left were"):
+            alone.projection_sigma("left", np.array([[320.0, 240.0]]))
 
     def test_files_come_back(self):
-        result = raybundle.calibrate(problem_of(true_rig(), noise_px=0.1))
+        result = raybundle.calibrate(problem_of(true_rig(), noise_px=0.1), outlier_sigma=4.5)
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "calibration.json"
             result.write_calibration(path)
@@ -156,12 +181,17 @@ class Calibrates(unittest.TestCase):
                                           result.calibration["left"].camera.parameters)
             # One triangle is saved; the other may differ by rounding.
             np.testing.assert_allclose(back.covariance.matrix, result.calibration.covariance.matrix, rtol=1e-12)
-            raybundle.write_calibration(back, path)
-            self.assertEqual([camera.name for camera in raybundle.read_calibration(path)], ["left", "right"])
+            again = Path(folder) / "again.json"
+            raybundle.write_calibration(back, again)
+            self.assertEqual(again.read_bytes(), path.read_bytes())
             self.assertTrue("left" in back and "middle" not in back and len(back) == 2)
             result.write_report(Path(folder) / "report.json")
             report = json.loads((Path(folder) / "report.json").read_text())
             self.assertEqual(report["rms_px"], result.rms_px)
+            for provenance in (report["provenance"], json.loads(path.read_text())["provenance"]):
+                self.assertIn({"name": "outlier_sigma", "value": "4.5"}, provenance["options"])
+                self.assertIn({"name": "estimate_shape", "value": "true"}, provenance["options"])
+                self.assertEqual(provenance["versions"], [{"name": "raybundle", "value": raybundle.__version__}])
 
     def test_mistakes_are_told(self):
         problem = problem_of(true_rig(), noise_px=0.1)

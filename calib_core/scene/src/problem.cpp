@@ -275,6 +275,9 @@ void check(const CalibrationProblem& problem) {
     check_dots(view, problem.laser, where);
   }
   for (const ParameterRule& rule : problem.rules) {
+    if (rule.value && !std::isfinite(*rule.value)) {
+      refuse("the value for '" + rule.pattern + "' is not a finite number");
+    }
     if (rule.kind == ParameterRule::Kind::kPrior && !(rule.sigma > 0)) {
       refuse("the prior on '" + rule.pattern + "' needs a positive sigma");
     }

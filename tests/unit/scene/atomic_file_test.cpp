@@ -5,22 +5,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include "fresh_folder.hpp"
 #include "raybundle/geometry/error.hpp"
+#include "text_file.hpp"
 
 namespace raybundle {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string content_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 class AtomicFile : public testing::Test {
  protected:
@@ -33,9 +27,9 @@ class AtomicFile : public testing::Test {
 TEST_F(AtomicFile, WritesEveryByteAndLeavesNothingElse) {
   const std::string bytes("a\0b\n", 4);
   write_file_whole(folder_ / "file", bytes);
-  EXPECT_EQ(content_of(folder_ / "file"), bytes);
+  EXPECT_EQ(text_of(folder_ / "file"), bytes);
   write_file_whole(folder_ / "file", "");
-  EXPECT_EQ(content_of(folder_ / "file"), "");
+  EXPECT_EQ(text_of(folder_ / "file"), "");
   EXPECT_EQ(files(), 1u);
 }
 
@@ -44,7 +38,7 @@ TEST_F(AtomicFile, TakesAPlainNameInTheWorkingFolder) {
   fs::current_path(folder_);
   write_file_whole("plain", "x");
   fs::current_path(before);
-  EXPECT_EQ(content_of(folder_ / "plain"), "x");
+  EXPECT_EQ(text_of(folder_ / "plain"), "x");
 }
 
 // current.json -> v12.json: who reads v12.json has to find what was written.
@@ -53,11 +47,11 @@ TEST_F(AtomicFile, WritesWhereALinkLeads) {
   fs::create_symlink("v12", folder_ / "current");
   fs::create_symlink(folder_ / "current", folder_ / "latest");
   write_file_whole(folder_ / "latest", "new");
-  EXPECT_EQ(content_of(folder_ / "v12"), "new");
+  EXPECT_EQ(text_of(folder_ / "v12"), "new");
   EXPECT_TRUE(fs::is_symlink(folder_ / "latest") && fs::is_symlink(folder_ / "current"));
   fs::create_symlink("to be", folder_ / "dangling");
   write_file_whole(folder_ / "dangling", "x");
-  EXPECT_EQ(content_of(folder_ / "to be"), "x");
+  EXPECT_EQ(text_of(folder_ / "to be"), "x");
 }
 
 TEST_F(AtomicFile, FailsNamingThePathAndLeavesNothingBehind) {
@@ -72,6 +66,18 @@ TEST_F(AtomicFile, FailsNamingThePathAndLeavesNothingBehind) {
     }
   }
   EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(AtomicFile, FilesThatBelongTogetherAreAllWrittenOrNone) {
+  write_files_whole({{folder_ / "a", "old"}, {folder_ / "b", "old too"}});
+  EXPECT_EQ(text_of(folder_ / "a") + text_of(folder_ / "b"), "oldold too");
+  fs::create_directories(folder_ / "taken");
+  for (const fs::path& path : {folder_ / "no such folder" / "file", folder_ / "taken"}) {
+    EXPECT_THROW(write_files_whole({{folder_ / "a", "new"}, {path, "x"}, {folder_ / "b", "new"}}), Error) << path;
+    EXPECT_EQ(text_of(folder_ / "a"), "old");
+    EXPECT_EQ(text_of(folder_ / "b"), "old too");
+    EXPECT_EQ(files(), 3u);
+  }
 }
 
 TEST_F(AtomicFile, WritesToADeviceAsItIs) {

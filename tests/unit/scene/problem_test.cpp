@@ -80,6 +80,12 @@ TEST(ProblemCheck, NamesTheCameraRuleOrTargetThatIsWrong) {
                 p.rules.push_back({"*.k1", ParameterRule::Kind::kPrior, {}, 0.0});
               }),
               HasSubstr("the prior on '*.k1' needs a positive sigma"));
+  for (const auto kind : {ParameterRule::Kind::kFixed, ParameterRule::Kind::kPrior}) {
+    EXPECT_THAT(message_after([&](auto& p) {
+                  p.rules.push_back({"*.k1", kind, kNan, 1.0});
+                }),
+                HasSubstr("the value for '*.k1' is not a finite number"));
+  }
 }
 
 // relabel() looks the ids up, for every point.
