@@ -94,9 +94,9 @@ CabinSensor structured_light_sensor(CockpitGenerator generator, std::uint64_t se
                                .distance_m = 0.012,
                                .thickness_m = 0.0015,
                                .offset_m = 15e-6 * Eigen::Vector2d(random.normal(), random.normal())};
-  set_grid(emitter, grid);
-  set_periods_from_field(emitter, kRadian * (training ? Eigen::Vector2d(90, 70) : Eigen::Vector2d(86, 72)));
   emitter.zero_order_power = 1.6;
+  set_grid(emitter, grid);  // even ones have no order zero
+  set_periods_from_field(emitter, kRadian * (training ? Eigen::Vector2d(90, 70) : Eigen::Vector2d(86, 72)));
   emitter.speckle_contrast = 0.05;
   const Rigid3 beside{Eigen::Quaterniond::Identity(), {training ? 0.06 : 0.062, 0.003, -0.004}};
   emitter.rig_from_emitter = jittered(beside, 0.0005, 0.8 * kRadian, random);

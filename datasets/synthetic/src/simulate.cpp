@@ -192,8 +192,8 @@ Simulation simulate(const SimulatedRig& rig, const SimulateOptions& options) {
   if (rig.emitter) simulation.beams = beams_of(warmer(*rig.emitter, options.warmer_K));
   const Observer observer(rig, options, simulation.beams);
   simulation.problem = simulation.exact = empty_problem(rig, options.frames);
-  const std::vector<Rigid3> poses =
-      random_board_poses(rig, observer.surface(), simulation.beams, options.frames, options.seed);
+  const std::vector<EmittedBeam> cold = rig.emitter ? beams_of(*rig.emitter) : std::vector<EmittedBeam>{};
+  const std::vector<Rigid3> poses = random_board_poses(rig, observer.surface(), cold, options.frames, options.seed);
   for (int frame = 0; frame < options.frames; ++frame) {
     simulation.poses.push_back({frame, 0, poses[frame]});
     for (int camera = 0; camera < static_cast<int>(rig.cameras.size()); ++camera) {

@@ -47,14 +47,16 @@ TEST(Simulate, EveryRigOfTheFolderGivesViewsAndDots) {
   }
 }
 
-TEST(Simulate, SameSeedSameBitsAndNoiseOrMoreFramesDoNotMoveTheBoard) {
+TEST(Simulate, SameSeedSameBitsAndNeitherNoiseNorMoreFramesNorAWarmerLaserMoveTheBoard) {
   const SimulatedRig rig = rig_named("rig_26mm_laser.toml");
   const Simulation first = simulate(rig, {.frames = 6, .seed = 7});
   EXPECT_TRUE(same_bits(first, simulate(rig, {.frames = 6, .seed = 7})));
   EXPECT_FALSE(same_bits(first, simulate(rig, {.frames = 6, .seed = 8})));
   const Simulation longer = simulate(rig, {.frames = 9, .seed = 7, .corner_sigma_px = 0.5});
+  const Simulation warmer = simulate(rig, {.frames = 6, .seed = 7, .warmer_K = 10.0});
   for (std::size_t i = 0; i < 6; ++i) {
     EXPECT_EQ(first.poses[i].rig_from_target.translation, longer.poses[i].rig_from_target.translation);
+    EXPECT_EQ(first.poses[i].rig_from_target.translation, warmer.poses[i].rig_from_target.translation);
   }
 }
 

@@ -34,7 +34,8 @@ struct Simulation {
 };
 
 /// Moves the board in front of the rig as a person would, and observes corners and dots. Poses depend on rig, seed and
-/// frame only: neither noise nor the number of frames changes them. The same rig and options give the same bits.
+/// frame only: neither noise nor the number of frames nor the laser's temperature changes them. The same rig and options
+/// give the same bits.
 ///
 /// @throws Error(kBadInput) for options out of range; Error(kNotEnoughData) when no pose within the rig's range shows
 ///         the board: names what to change
