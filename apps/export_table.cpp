@@ -26,13 +26,16 @@ struct TableFlags {
   SensorFlags sensor;
 };
 
+// Of those that were measured, or of those that are foreseen only.
+std::ptrdiff_t beams_of(const SensorTable& table, bool measured) {
+  return std::ranges::count(table.beams, measured, &TableBeam::measured);
+}
+
 std::string summary(const SensorTable& table, const ExportRequest& request, std::size_t bytes) {
-  const auto measured = std::ranges::count_if(table.beams, [](const TableBeam& beam) { return beam.measured; });
   std::string text =
       fmt::format("{}: {}, {}x{}, {} beams of {}x{}", request.output, table.camera, table.rays.size.width,
-                  table.rays.size.height, measured, table.grid.columns, table.grid.rows);
-  const auto foreseen = static_cast<std::ptrdiff_t>(table.beams.size()) - measured;
-  if (foreseen > 0) text += fmt::format(" and {} foreseen", foreseen);
+                  table.rays.size.height, beams_of(table, true), table.grid.columns, table.grid.rows);
+  if (const auto foreseen = beams_of(table, false); foreseen > 0) text += fmt::format(" and {} foreseen", foreseen);
   return text + fmt::format(
                     ", from {} to {} m, within {:.2f} px\nrays every {} px, within {:.2f} µrad of the lens model; "
                     "serial {}; {} self-tests pass\nwrote {}, {} kB\nnext  raybundle reconstruct structured-light {} "
@@ -47,7 +50,8 @@ void print_json(const SensorTable& table, const ExportRequest& request, const st
                                       {"serial", table.serial},
                                       {"sha256", sha256_of_bytes(bytes)},
                                       {"camera", table.camera},
-                                      {"beams", table.beams.size()},
+                                      {"beams", beams_of(table, true)},
+                                      {"foreseen_beams", beams_of(table, false)},
                                       {"nearest_m", table.range.nearest_m},
                                       {"farthest_m", table.range.farthest_m},
                                       {"tolerance_px", table.range.tolerance_px},

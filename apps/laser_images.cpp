@@ -11,7 +11,6 @@
 #include <opencv2/core.hpp>
 #include <utility>
 
-#include "image_files.hpp"
 #include "media/media.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/io/frame_names.hpp"
@@ -79,13 +78,13 @@ std::vector<LaserShot> laser_shots(const std::vector<std::string>& on, const std
   return shots;
 }
 
-void for_each_moment(const LaserShot& shot, const SensorTable& table,
+void for_each_moment(const LaserShot& shot, const SensorTable& table, EightBits& bits,
                      const std::function<bool(const ShotImages& images, const std::string& name)>& use) {
   const std::string name = std::filesystem::path(shot.on).stem().string();
   const auto checked = [&](ShotImages images) {
     require_size(images.on, shot.on, table);
     if (!images.off.empty()) require_size(images.off, shot.off, table);
-    EightBits().take({&images.on, &images.off});
+    bits.take({&images.on, &images.off});
     return images;
   };
   if (is_video(shot.on) != is_video(shot.off) && !shot.off.empty()) {

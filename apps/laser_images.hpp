@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "image_files.hpp"
 #include "raybundle/device/image_view.hpp"
 #include "raybundle/structured_light/sensor_table.hpp"
 
@@ -24,7 +25,7 @@ struct LaserShot {
 /// @throws Error(kBadInput) naming an image that lacks its counterpart
 std::vector<LaserShot> laser_shots(const std::vector<std::string>& on, const std::vector<std::string>& off);
 
-/// The grey images of a shot, of 8 bits: see EightBits.
+/// The grey images of a shot, of 8 bits.
 struct ShotImages {
   cv::Mat on;
   cv::Mat off;  ///< empty: none
@@ -33,9 +34,10 @@ struct ShotImages {
 /// Calls use(images, name) for what the files of a shot show: once for images, for every frame of videos, whose names
 /// count them from 0. `use` says whether to go on.
 ///
+/// @param bits  by which images of more bits are scaled; of all shots of a run
 /// @throws Error(kIo) when a file cannot be read, Error(kBadInput) for an image of another size than the table's, or a
 ///         video with the laser off that is shorter than the one with it on
-void for_each_moment(const LaserShot& shot, const SensorTable& table,
+void for_each_moment(const LaserShot& shot, const SensorTable& table, EightBits& bits,
                      const std::function<bool(const ShotImages& images, const std::string& name)>& use);
 
 /// As the runtime takes it; an empty image is one without pixels.

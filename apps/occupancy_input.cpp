@@ -29,7 +29,7 @@ InstalledSensor read_installed_sensor(const std::string& path) {
   sensor.rows = section.whole("rows", 2, 64);
   sensor.columns = section.whole("columns", 2, 64);
   sensor.vehicle_from_camera = pose_from(section);
-  sensor.viewpoint_in_vehicle = vector3(section, "viewpoint_m");
+  sensor.viewpoint_in_vehicle = place_from(section, "viewpoint_m");
   section.refuse_unknown_keys();
   return sensor;
 }

@@ -61,19 +61,20 @@ void warn_of_lonely(const std::vector<ImageFile>& files, std::size_t paired, con
                           side, other));
 }
 
-// Images with the same frame name belong together; single images always do.
+// Single images belong together, whatever they are called.
+StereoMoment single_moment(const std::string& left, const std::string& right, const std::vector<ImageFile>& lit) {
+  warn_of_other_moment(left, right);
+  if (lit.size() > 1) {
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("--laser names {} images, {} and others, for one pair; name the one of its moment",
+                            lit.size(), lit[0].path));
+  }
+  return {fs::path(left).stem().string(), left, right, lit.size() == 1 ? lit[0].path : std::string()};
+}
+
+// Images with the same frame name belong together.
 std::vector<StereoMoment> moments_of(const std::vector<ImageFile>& left, const std::vector<ImageFile>& right,
                                      const std::vector<ImageFile>& lit) {
-  if (left.size() == 1 && right.size() == 1) {
-    warn_of_other_moment(left[0].path, right[0].path);
-    if (lit.size() > 1) {
-      throw Error(ErrorKind::kBadInput,
-                  fmt::format("--laser names {} images, {} and others, for one pair; name the one of its moment",
-                              lit.size(), lit[0].path));
-    }
-    return {{fs::path(left[0].path).stem().string(), left[0].path, right[0].path,
-             lit.size() == 1 ? lit[0].path : std::string()}};
-  }
   const std::map<std::string, std::string> right_of = paths_by_frame(right), lit_of = paths_by_frame(lit);
   std::vector<StereoMoment> moments;
   for (const ImageFile& file : left) {
@@ -128,6 +129,10 @@ void run(const Flags& flags) {
   if (!videos.empty() && videos.size() < sequences) {
     throw Error(ErrorKind::kBadInput, "is a video, and others are images; give videos of all, or images", videos[0]);
   }
+  std::vector<StereoMoment> moments;  // single images are told before some are left out: two that are left are no pair
+  if (videos.empty() && left.size() == 1 && right.size() == 1) {
+    moments.push_back(single_moment(left[0].path, right[0].path, lit));
+  }
   const bool any_unreadable = leave_out_unreadable(left) + leave_out_unreadable(right) + leave_out_unreadable(lit) > 0;
   std::vector<ImageFile> both = left;
   both.insert(both.end(), right.begin(), right.end());
@@ -136,7 +141,7 @@ void run(const Flags& flags) {
   if (!videos.empty()) {
     take_videos(videos, reconstruction);
   } else {
-    const std::vector<StereoMoment> moments = moments_of(left, right, lit);
+    if (moments.empty()) moments = moments_of(left, right, lit);
     for (const StereoMoment& moment : moments) reconstruction.take(moment, moments.size() == 1);
   }
   reconstruction.finish();
@@ -158,10 +163,14 @@ void add_stereo_reconstruction(CLI::App& reconstruct) {
   verb->add_option("--vehicle", flags->vehicle,
                    "where the pair is in a car: tells seat and head (docs/formats/stereo.md)")
       ->type_name("TOML");
-  verb->add_option("--laser", flags->laser,
-                   "the left camera with the rig's laser on, at the same moments: its dots anchor depth where there is "
-                   "no texture; may be the left images themselves")
-      ->type_name("IMAGE");
+  CLI::Option* laser =
+      verb->add_option(
+              "--laser", flags->laser,
+              "the left camera with the rig's laser on, at the same moments: its dots anchor depth where there is "
+              "no texture; may be the left images themselves")
+          ->type_name("IMAGE");
+  declare_sensor_flags(*verb, flags->dots);
+  for (CLI::Option* option : flags->dots.options) option->needs(laser);
   verb->add_option("--exposure", flags->exposure, "shutter [ms] and gain of the images: advises what they should be")
       ->expected(2)
       ->check(above_zero);

@@ -61,7 +61,7 @@ class Reconstruction {
 
   /// @return  whether to go on: not once there are --frames
   bool take(const LaserShot& shot) {
-    for_each_moment(shot, table_, [&](const ShotImages& images, const std::string& name) {
+    for_each_moment(shot, table_, bits_, [&](const ShotImages& images, const std::string& name) {
       take(images, name, shot.on);
       return taken() != flags_.frames;
     });
@@ -101,7 +101,9 @@ class Reconstruction {
     flags_.json ? static_cast<void>(fmt::print("{}\n", files.json)) : print_row(name, frame);
     names_.insert(name);
     state_ = frame.state;
-    if (frame.health.state == State::kInvalid) say_turned(name, frame.health);
+    const bool turned = frame.health.state == State::kInvalid;
+    if (turned && !turned_) say_turned(name, frame.health);  // an alarm stays, the figures that raised it do not
+    turned_ = turned;
   }
 
   static void say_turned(const std::string& name, const HealthReport& health) {
@@ -130,8 +132,10 @@ class Reconstruction {
   const Flags& flags_;
   SensorTable table_;
   StructuredLight sensor_;
+  EightBits bits_;
   std::set<std::string> names_;
   State state_ = State::kOk;
+  bool turned_ = false;  // the projector, and it has been said
 };
 
 void run(const Flags& flags) {

@@ -3,14 +3,20 @@
 #include "stereo_anchors.hpp"
 
 #include "laser_images.hpp"
-#include "sensor_input.hpp"
 
 namespace raybundle::apps {
+namespace {
 
-LaserAnchors::LaserAnchors(const std::string& calibration, const RigCamera& left, const Rectification& pair)
-    : pair_(pair),
-      table_(table_from_calibration(calibration, {.camera = left.name, .tolerance_px = {}})),
-      sensor_(table_) {}
+SensorFlags of_camera(SensorFlags sensor, const std::string& camera) {
+  sensor.camera = camera;
+  return sensor;
+}
+
+}  // namespace
+
+LaserAnchors::LaserAnchors(const std::string& calibration, const SensorFlags& sensor, const RigCamera& left,
+                           const Rectification& pair)
+    : pair_(pair), table_(table_from_calibration(calibration, of_camera(sensor, left.name))), sensor_(table_) {}
 
 std::span<const AnchorDot> LaserAnchors::take(const cv::Mat& lit, const cv::Mat& dark) {
   dots_.clear();

@@ -10,6 +10,7 @@
 #include "raybundle/scene/calibration.hpp"
 #include "raybundle/stereo/dot_fusion.hpp"
 #include "raybundle/structured_light/structured_light.hpp"
+#include "sensor_input.hpp"
 
 namespace raybundle::apps {
 
@@ -17,8 +18,10 @@ namespace raybundle::apps {
 class LaserAnchors {
  public:
   /// @param calibration  path of calibration.json
-  /// @throws Error(kBadInput) when it holds no laser beams
-  LaserAnchors(const std::string& calibration, const RigCamera& left, const Rectification& pair);
+  /// @param sensor       depths and tolerance of the dots; the camera is the left one, whatever it says
+  /// @throws Error(kBadInput) when the calibration holds no laser beams
+  LaserAnchors(const std::string& calibration, const SensorFlags& sensor, const RigCamera& left,
+               const Rectification& pair);
   LaserAnchors(const LaserAnchors&) = delete;
   LaserAnchors& operator=(const LaserAnchors&) = delete;
 

@@ -117,6 +117,12 @@ void declare_stereo_flags(CLI::App& verb, StereoFlags& flags) {
   verb.add_option("--uniqueness", flags.uniqueness, "how much better than the second best a match must be")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
+  verb.add_option("--strength", flags.strength, "largest cost of a match, as a share of the largest there is")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  verb.add_option("--peak", flags.peak, "least rise of the cost beside a match, as a share of the largest there is")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   verb.add_option("--least-region", flags.least_region_px, "regions with fewer pixels are left out")
       ->check(CLI::Range(0, 1 << 24))
       ->capture_default_str();
@@ -132,13 +138,17 @@ StereoSetup stereo_setup(const std::string& calibration_path, const StereoFlags&
   StereoOptions options;
   options.rectify = rectify_options(flags.rectify);
   options.match.uniqueness = flags.uniqueness;
+  options.match.strength = flags.strength;
+  options.match.peak = flags.peak;
   options.match.least_region_px = flags.least_region_px;
   options.match.least_disparity = flags.least_disparity;
   options.match.cost = match_cost_named(flags.cost).value_or(options.match.cost);
   options.match.window_px = flags.window_px;
   options.match.paths = flags.paths;
   options.least_matched = flags.least_matched_percent / 100.0;
-  if (with_dots) options.dots = DotFusionOptions{};
+  if (with_dots && file.calibration.laser) {
+    options.dots = DotFusionOptions{.most_dots = static_cast<int>(file.calibration.laser->beams.size())};
+  }
   const Rectification pair = rectify(left, right, options.rectify);
   const double near_m = flags.near_m > 0 ? flags.near_m : kNearBaselines * pair.baseline_m;
   const double wanted = std::ceil(disparity_at(pair, near_m)) + 2 - flags.least_disparity;

@@ -38,7 +38,7 @@ struct StereoFlags {
   int window_px = MatchOptions{}.window_px, paths = MatchOptions{}.paths;
   int coarse_levels = -1;  // as many as the search needs
   std::string cost{match_cost_name(MatchOptions{}.cost)};
-  double uniqueness = MatchOptions{}.uniqueness;
+  double uniqueness = MatchOptions{}.uniqueness, strength = MatchOptions{}.strength, peak = MatchOptions{}.peak;
   double least_matched_percent = 100.0 * StereoOptions{}.least_matched;
 };
 void declare_stereo_flags(CLI::App& verb, StereoFlags& flags);

@@ -62,7 +62,9 @@ StereoReconstruction::StereoReconstruction(const StereoReconstructionFlags& flag
   require_writable(flags.output);
   if (!flags.vehicle.empty()) cabin_.emplace(read_stereo_cabin(flags.vehicle), setup_.matcher.rectification());
   if (!flags.exposure.empty()) exposure_.emplace(setup_.left.camera.size, flags.exposure);
-  if (!flags.laser.empty()) anchors_.emplace(flags.calibration, setup_.left, setup_.matcher.rectification());
+  if (!flags.laser.empty()) {
+    anchors_.emplace(flags.calibration, flags.dots, setup_.left, setup_.matcher.rectification());
+  }
   for (const std::string& line : setup_.said) say(line);
   if (flags.json) return;
   fmt::print("{:<16} {:>8} {:>8} {:>9} {:>10}  {}\n", "frame", "points", "matched", "depth m", "sigma mm", "state");
@@ -104,6 +106,7 @@ void StereoReconstruction::reconstruct(const StereoMoment& moment, const StereoI
                      {"dots", dots.size()},
                      {"filled", frame.fused.filled},
                      {"contradicted", frame.fused.contradicted}};
+    without_dots_ += dots.empty();
   }
   const StereoFrameFiles files = stereo_frame_files(frame, setup_.matcher, moment.left, moment.right, more);
   if (names_.empty()) fs::remove(page_file());  // a former run's shows other pairs than lie beside it from now on
@@ -135,6 +138,12 @@ void StereoReconstruction::finish() const {
         "{} of {} pairs missed the gate of {:g} % matched: are both images of one moment, and the cameras where "
         "they were when they were calibrated?",
         missed_, taken, flags_.stereo.least_matched_percent));
+  }
+  if (without_dots_ > 0) {
+    say_warning(fmt::format(
+        "no dot got a place in {} of {} pairs: does the laser shine in the --laser images, on what lies from "
+        "--nearest {:g} to --farthest {:g} m before the left camera?",
+        without_dots_, taken, flags_.dots.nearest_m, flags_.dots.farthest_m));
   }
   if (left_out_ + missed_ + exchanged_ > 0) throw GateFailed{};
 }

@@ -22,6 +22,7 @@ struct StereoReconstructionFlags {
   std::string calibration, left, right, output, vehicle, laser;
   std::vector<double> exposure;  ///< shutter [ms], gain
   StereoFlags stereo;
+  SensorFlags dots;  ///< of the laser
   bool json = false;
 };
 
@@ -73,6 +74,7 @@ class StereoReconstruction {
   int missed_ = 0;               // of the gate
   int exchanged_ = 0;
   int left_out_ = 0;
+  int without_dots_ = 0;  // though there was an image with the laser on
 };
 
 }  // namespace raybundle::apps

@@ -98,17 +98,21 @@ VehicleLayout VehicleFile::layout() {
   return layout;
 }
 
+Eigen::Vector3d place_from(TomlReader& reader, const std::string& key) {
+  const Eigen::Vector3d place = vector3(reader, key);
+  if (!(place.norm() <= kFarthest_m)) {
+    reader.fail(nullptr, fmt::format("{} is {:g} m long, and no cabin is so large; give metres", key, place.norm()));
+  }
+  return place;
+}
+
 Rigid3 pose_from(TomlReader& reader) {
   const std::vector<double> q = reader.numbers("rotation_xyzw", 4);
-  Rigid3 pose{Eigen::Quaterniond(q[3], q[0], q[1], q[2]), vector3(reader, "translation_m")};
+  Rigid3 pose{Eigen::Quaterniond(q[3], q[0], q[1], q[2]), place_from(reader, "translation_m")};
   if (std::abs(pose.rotation.norm() - 1.0) > 1e-6) {
     reader.fail(nullptr, "rotation_xyzw has no unit length; give six digits and more");
   }
   pose.rotation.normalize();
-  if (!(pose.translation.norm() <= kFarthest_m)) {
-    reader.fail(nullptr, fmt::format("translation_m is {:g} m long, and no cabin is so large; give metres",
-                                     pose.translation.norm()));
-  }
   return pose;
 }
 

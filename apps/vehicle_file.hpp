@@ -29,6 +29,11 @@ class VehicleFile {
   TomlReader reader_;
 };
 
+/// A place [m] of a sensor's section, in the vehicle.
+///
+/// @throws Error(kBadInput) when it lies outside of any cabin
+Eigen::Vector3d place_from(TomlReader& reader, const std::string& key);
+
 /// rotation_xyzw and translation_m of a sensor's section: the pose of its frame in the vehicle.
 Rigid3 pose_from(TomlReader& reader);
 

@@ -186,6 +186,11 @@ TEST(Occupancy, SaysWhatIsWrongWithItsInput) {
   EXPECT_NE(layout("lift_m = 1e9").find("no cabin is so large"), std::string::npos);
   EXPECT_NE(layout("most_recline_rad = 40").find("give radians"), std::string::npos);
 
+  for (const std::string place : {"translation_m", "viewpoint_m"}) {
+    EXPECT_NE(with(place, place + " = [30, 40, 0]").find(place + " is 50 m long, and no cabin is so large"),
+              std::string::npos);
+  }
+
   const std::string fixture = "out_of_position_m = 0.40\n[[fixture]]\nlow_m = [0.7, 0.2, 0.4]\n";
   EXPECT_NE(with("out_of_position_m", fixture).find("[[fixture]] needs a field 'high_m'"), std::string::npos);
   EXPECT_NE(with("out_of_position_m", fixture + "high_m = [0.8, 0.3, 0.3]").find("must lie below high_m"),

@@ -9,6 +9,8 @@
 
 #include "browser.hpp"
 #include "program.hpp"
+#include "raybundle/io/calibration_file.hpp"
+#include "stereo_flags.hpp"
 
 namespace raybundle::testing {
 namespace {
@@ -219,6 +221,12 @@ TEST(ReconstructStereo, LaserDotsFillWhatHasNoTexture) {
   EXPECT_GT(with.at("points").get<int>(), without.at("points").get<int>() + 500);
   const ProgramRun small = run({"--laser", image("../truth/calibration.json")});
   EXPECT_EQ(small.exit_code, 5);
+  const ProgramRun beyond = run({"--laser", image("left/003_on.png"), "--nearest", "3", "--farthest", "4"});
+  ASSERT_EQ(beyond.exit_code, 0) << beyond.err;
+  EXPECT_EQ(nlohmann::json::parse(beyond.out).at("laser").at("dots"), 0);
+  EXPECT_NE(beyond.err.find("no dot got a place in 1 of 1 pairs"), std::string::npos) << beyond.err;
+  EXPECT_EQ(fused.err.find("no dot got a place"), std::string::npos) << fused.err;
+  EXPECT_EQ(run({"--farthest", "4"}).exit_code, 2);  // of a laser that is not used
 
   const auto video = [&](const char* from, const char* to) {
     const cv::Mat frame = cv::imread(image(from));
@@ -239,6 +247,37 @@ TEST(ReconstructStereo, LaserDotsFillWhatHasNoTexture) {
   EXPECT_EQ(second.at("laser").at("filled"), with.at("laser").at("filled"));
   EXPECT_EQ(mixed.exit_code, 2);
   EXPECT_NE(mixed.err.find("is a video, and others are images"), std::string::npos) << mixed.err;
+}
+
+// The last rows of a large grid fill their place as the first ones do: there is room for all of its dots.
+TEST(ReconstructStereo, HasRoomForTheDotsOfALargeLaser) {
+  const fs::path folder = fresh_folder();
+  const Camera camera = start_camera(*model_named("pinhole"), {330, 240}, 250.0);
+  CalibrationFile file;
+  file.calibration.cameras = {{"left", camera, {}}, {"right", camera, {}}};
+  file.calibration.cameras[1].camera_from_rig.translation.x() = -0.1;
+  LaserPattern laser{.grid = {33, 33}, .beams = {}, .grating = {}};
+  for (int beam = 0; beam < laser.grid.size(); ++beam) {
+    laser.beams.push_back({.row = laser.grid.row(beam), .column = laser.grid.column(beam), .line = {}});
+  }
+  file.calibration.laser = laser;
+  write_calibration(folder / "calibration.json", file);
+
+  apps::StereoSetup setup = apps::stereo_setup((folder / "calibration.json").string(), {}, true);
+  const Rectification& pair = setup.matcher.rectification();
+  const double across_px = pair.camera.size.width / 33.0, down_px = pair.camera.size.height / 33.0;
+  std::vector<AnchorDot> dots;  // of a wall at 1 m
+  for (int beam = 0; beam < laser.grid.size(); ++beam) {
+    const double u = across_px * (laser.grid.column(beam) + 0.5), v = down_px * (laser.grid.row(beam) + 0.5);
+    dots.push_back({u, v, disparity_from_distance(pair.camera, pair.baseline_m, u, 1.0), 0.1});
+  }
+  const cv::Mat grey(camera.size.height, camera.size.width, CV_8U, cv::Scalar(100));
+  const GreyView flat{grey.ptr(), grey.cols, grey.rows, grey.cols};
+  const StereoFrame frame = setup.matcher.process(flat, flat, dots);
+  for (const double row : {1.0, 17.0, 32.0}) {  // between a row of dots and the next one
+    const auto source = frame.fused.source.at(pair.camera.size.width / 2, static_cast<int>(row * down_px));
+    EXPECT_EQ(static_cast<DisparitySource>(source), DisparitySource::kDots) << row;
+  }
 }
 
 // Two equal cameras side by side, by Kalibr's file; the folder holds pair.json.
@@ -277,6 +316,26 @@ TEST(ReconstructStereo, DisparitiesOfHundredsOfPixelsAreWrittenInCoarserSteps) {
   const cv::Mat matched = steps > 0;
   EXPECT_GT(cv::countNonZero(matched), 50000);
   EXPECT_NEAR(step_px * cv::mean(steps, matched)[0], 320 * focal_px / 1600, 0.5);
+}
+
+// Of two moments one image each can be read: what is left of both cameras is no pair.
+TEST(ReconstructStereo, DoesNotPairWhatIsLeftOfTwoMoments) {
+  const fs::path folder = pair_of_long_lenses();
+  cv::Mat image(200, 900, CV_8U);
+  cv::theRNG().state = 4;
+  for (const std::string side : {"left", "right"}) {
+    fs::create_directory(folder / side);
+    const bool is_left = side == "left";
+    cv::randu(image, 0, 256);
+    cv::imwrite((folder / side / (is_left ? "01.png" : "02.png")).string(), image);
+    write_text(folder / side / (is_left ? "02.png" : "01.png"), "");
+  }
+  const ProgramRun run =
+      raybundle_program({"reconstruct", "stereo", (folder / "pair.json").string(), (folder / "left").string(),
+                         (folder / "right").string(), "-o", (folder / "points").string()});
+  EXPECT_EQ(run.exit_code, 3) << run.err;
+  EXPECT_NE(run.err.find("02.png: "), std::string::npos) << run.err;
+  EXPECT_FALSE(fs::exists(folder / "points" / "01.json"));
 }
 
 TEST(ReconstructStereo, TheCameraThatIsNotNamedIsTheOther) {

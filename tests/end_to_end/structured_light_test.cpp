@@ -5,8 +5,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <Eigen/Geometry>
+#include <array>
 #include <chrono>
-#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -17,7 +18,6 @@
 #include <thread>
 
 #include "browser.hpp"
-#include "eye_safety_limits.hpp"
 #include "mesh_files.hpp"
 #include "program.hpp"
 #include "raybundle/geometry/error.hpp"
@@ -26,72 +26,6 @@ namespace raybundle::testing {
 namespace {
 
 namespace fs = std::filesystem;
-
-using apps::kSafetyEditions;
-using apps::safety_limit;
-
-// The figures of Boverie, Devy, Lerasle 2006, section 2.2: 0.78 mW, and "a factor 2" more for shorter pulses.
-TEST(EyeSafety, GivesThePublishedFigures) {
-  EXPECT_NEAR(1e3 * safety_limit({.wavelength_nm = 850, .pulse_s = 1e-3, .rate_Hz = 100}, kSafetyEditions[0]).least_W(),
-              0.785, 0.0005);
-  EXPECT_NEAR(1e3 * safety_limit({.wavelength_nm = 850, .pulse_s = 1e-4, .rate_Hz = 100}, kSafetyEditions[0]).least_W(),
-              1.397, 0.0005);
-}
-
-TEST(EyeSafety, NeverAllowsMoreThanItsAverageAndASinglePulse) {
-  for (const auto& edition : kSafetyEditions) {
-    for (const double pulse_s : {1e-8, 1e-6, 1e-4, 1e-2}) {
-      const auto limit = safety_limit({.wavelength_nm = 830, .pulse_s = pulse_s, .rate_Hz = 50}, edition);
-      EXPECT_LE(limit.least_W(), limit.single_pulse_W);
-      EXPECT_LE(limit.least_W(), limit.average_W);
-      EXPECT_GT(limit.least_W(), 0.0);
-    }
-  }
-  EXPECT_THROW(safety_limit({.wavelength_nm = 650}, kSafetyEditions[0]), Error);
-  EXPECT_THROW(safety_limit({.pulse_s = 0.1, .rate_Hz = 20}, kSafetyEditions[0]), Error);
-}
-
-// Worked by hand from the tables of the 2014 edition.
-TEST(EyeSafety, CountsSizeAndNumberByTheLaterEdition) {
-  const apps::SafetyEdition& later = kSafetyEditions[2];
-  const auto limit = [&](double pulse_s, double rate_Hz, double source_mrad) {
-    return safety_limit({.wavelength_nm = 850, .pulse_s = pulse_s, .rate_Hz = rate_Hz, .source_mrad = source_mrad},
-                        later);
-  };
-  EXPECT_NEAR(limit(1e-3, 100, 50).c6, 200 * std::sqrt(1e-3) / 1.5, 1e-12);  // 6.3 mrad count of a pulse of 1 ms
-  EXPECT_NEAR(limit(1e-4, 100, 50).c6, 5 / 1.5, 1e-12);
-  EXPECT_EQ(limit(1e-3, 100, 1.5).c5, 1.0);                                 // small
-  EXPECT_EQ(limit(1e-3, 100, 6).c5, 0.4);                                   // of a size that counts
-  EXPECT_EQ(limit(1e-3, 100, 50).c5, 0.2);                                  // larger
-  EXPECT_NEAR(limit(1e-6, 100, 1.5).c5, 5 * std::pow(1000, -0.25), 1e-12);  // short: 1000 pulses in 10 s
-  EXPECT_EQ(limit(1e-6, 50, 1.5).c5, 1.0);                                  // 500
-  EXPECT_NEAR(limit(1e-3, 100, 100).exposure_s, 100, 1e-9);                 // T2
-  EXPECT_NEAR(limit(1e-3, 100, 1.5).exposure_s, 10, 1e-12);
-  // 3.9e-4 C4 W of mean power for a point, at a duty of a tenth.
-  EXPECT_NEAR(limit(1e-3, 100, 1.5).average_W, 10 * 3.9e-4 * std::pow(10, 0.3), 1e-12);
-  EXPECT_THROW(limit(1e-7, 1e6, 1.5), Error);  // groups of pulses
-}
-
-TEST(EyeSafety, CountsBeamsThatEnterAnApertureTogether) {
-  const auto beam = [](double angle) { return Line3{Eigen::Vector3d::Zero(), {std::sin(angle), 0, std::cos(angle)}}; };
-  EXPECT_EQ(apps::beams_in_aperture({beam(0.0), beam(0.15), beam(0.3)}, 0.1), 1);
-  EXPECT_EQ(apps::beams_in_aperture({beam(0.0), beam(0.06), beam(0.3)}, 0.1), 2);  // 6 mm apart at 100 mm
-  EXPECT_EQ(apps::beams_in_aperture({beam(0.0), beam(0.03), beam(0.06), beam(0.09)}, 0.1), 3);
-}
-
-TEST(EyeSafety, JudgesAPowerByItsExitCode) {
-  const std::vector<std::string> drive{"eye-safety", "--edition", "1993", "--wavelength", "850", "--power"};
-  const auto run = [&](const char* power) {
-    std::vector<std::string> arguments = drive;
-    arguments.emplace_back(power);
-    return raybundle_program(arguments);
-  };
-  EXPECT_EQ(run("0.7").exit_code, 0);
-  const ProgramRun above = run("0.9");
-  EXPECT_EQ(above.exit_code, 1);
-  EXPECT_NE(above.out.find("not a compliance verdict"), std::string::npos);
-  EXPECT_EQ(raybundle_program({"eye-safety"}).exit_code, 2);  // the edition is never assumed
-}
 
 TEST(MeshFiles, HoldWhatTheySay) {
   const apps::PointMesh mesh{
@@ -176,6 +110,54 @@ TEST_F(StructuredLightProgram, TurnsImagesIntoPointsByCalibrationAndByTable) {
   EXPECT_EQ(json_of(folder_ / "points" / (name + ".json"))["points"], points["points"]);
 }
 
+TEST_F(StructuredLightProgram, ExportCountsForeseenBeamsApart) {
+  nlohmann::json calibration = json_of(truth_), &laser = calibration["laser"];
+  laser["beams"].erase(60);
+  laser["grating"] = {{"rig_from_projector", {{"rotation_xyzw", {0, 0, 0, 1}}, {"translation_m", {0.06, 0, 0}}}},
+                      {"column_pitch", 0.14},
+                      {"row_pitch", 0.11},
+                      {"skew_rad", 0},
+                      {"k1", 0},
+                      {"k2", 0},
+                      {"shift_m", 0},
+                      {"wavelength_scale", 1}};
+  const std::string path = (folder_ / "with_grating.json").string();
+  write_text(path, calibration.dump());
+  const ProgramRun run = raybundle_program(
+      {"export", path, "--runtime", "structured-light", "-o", (folder_ / "sensor.rbsl").string(), "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json exported = nlohmann::json::parse(run.out);
+  EXPECT_EQ(exported["beams"], laser["beams"].size());
+  EXPECT_EQ(exported["foreseen_beams"], 121 - laser["beams"].size());
+}
+
+// An alarm stays, so that later images may well agree with the calibration: their figures are none of the alarm.
+TEST_F(StructuredLightProgram, SaysOnceThatTheProjectorHasTurned) {
+  constexpr const char* kTurned = "the projector seems to have turned";
+  const Eigen::Vector3d projector(0.06, 0.003, -0.004);
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(2e-3, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  nlohmann::json calibration = json_of(truth_);
+  for (nlohmann::json& beam : calibration["laser"]["beams"]) {
+    const auto vector = [&](const char* key) { return Eigen::Vector3d(beam[key].get<std::array<double, 3>>().data()); };
+    const Eigen::Vector3d point = projector + turn * (vector("point_m") - projector), u = turn * vector("direction");
+    beam["point_m"] = {point.x(), point.y(), point.z()};
+    beam["direction"] = {u.x(), u.y(), u.z()};
+    for (std::size_t i = 0; i < 4; ++i) beam["covariance"][i][i] = 9e-8;  // 0.3 mm and 0.3 mrad: dots keep their labels
+  }
+  const std::string turned = (folder_ / "turned.json").string();
+  write_text(turned, calibration.dump());
+  std::vector<std::string> arguments{turned};
+  for (std::size_t i = 0; i < 12; ++i) {  // the alarm comes amid them
+    arguments.push_back((folder_ / ("image_" + std::to_string(i) + ".png")).string());
+    fs::copy(on_[i % 2], arguments.back());
+  }
+  const ProgramRun run = reconstruct(arguments);
+  EXPECT_EQ(run.exit_code, 1);
+  const std::size_t first = run.err.find(kTurned);
+  ASSERT_NE(first, std::string::npos) << run.err;
+  EXPECT_EQ(run.err.find(kTurned, first + 1), std::string::npos) << run.err;
+}
+
 TEST_F(StructuredLightProgram, TakesImagesAsTheyComeIntoAFolder) {
   fs::create_directory(folder_ / "live");
   for (const std::string& image : on_) fs::copy(image, folder_ / "live");
@@ -250,20 +232,22 @@ class RunningProgram {
 // A file is taken when it is whole, others are named and passed over, and a signal ends it well.
 TEST_F(StructuredLightProgram, WatchesAFolderUntilItIsInterrupted) {
   const fs::path live = folder_ / "live", first = live / fs::path(on_[0]).filename(),
-                 second = live / fs::path(on_[1]).filename(), points = folder_ / "points", err = folder_ / "err";
+                 second = live / fs::path(on_[1]).filename(), later = live / "later.png", points = folder_ / "points",
+                 err = folder_ / "err";
   fs::create_directory(live);
   fs::copy(on_[0], first);
   write_text(live / "broken.png", "no image");
   const auto taken = [&](const fs::path& image) { return fs::exists(points / (image.stem().string() + ".json")); };
   const auto wait_for = [](auto&& done) {  // at most half a minute, on a machine with much else to do
-    for (int tick = 0; tick < 300 && !done(); ++tick) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    for (int tick = 0; tick < 1500 && !done(); ++tick) std::this_thread::sleep_for(std::chrono::milliseconds(20));
     return done();
   };
   const RunningProgram program(
       {"reconstruct", "structured-light", truth_, "--watch", live.string(), "-o", points.string()}, err);
   EXPECT_TRUE(wait_for([&] { return taken(first); }));
   write_text(second, text_of(on_[1]).substr(0, 20000));
-  std::this_thread::sleep_for(std::chrono::milliseconds(800));
+  fs::copy(on_[0], later);  // files are looked at in the order of their names: when it is taken, the half one has been
+  EXPECT_TRUE(wait_for([&] { return taken(later); }));
   EXPECT_FALSE(taken(second));
   fs::copy_file(on_[1], second, fs::copy_options::overwrite_existing);
   EXPECT_TRUE(wait_for([&] { return taken(second); }));
@@ -337,6 +321,34 @@ TEST_F(StructuredLightProgram, ReadsDeepAndColouredImages) {
   cv::imwrite(file("colour.png"), coloured);
   EXPECT_EQ(points_of(file("deep_1.png"), file("dark_1.png")).size(), plain.size());
   EXPECT_EQ(points_of(file("colour.png"), off_[0]), plain);
+}
+
+// The second image of a sequence would fit into 10 bits, the first one needs 12: both are scaled by these.
+TEST_F(StructuredLightProgram, DarkerImagesOfASequenceStayDarker) {
+  const auto file = [&](const char* name) { return (folder_ / name).string(); };
+  for (const auto& [image, bright, dim] : {std::tuple(on_[0], file("on_1.png"), file("on_2.png")),
+                                           std::tuple(off_[0], file("off_1.png"), file("off_2.png"))}) {
+    cv::Mat deep;
+    const cv::Mat grey = cv::imread(image, cv::IMREAD_GRAYSCALE);
+    grey.convertTo(deep, CV_16U, 16.0);
+    cv::imwrite(bright, deep);
+    grey.convertTo(deep, CV_16U, 3.9);
+    cv::imwrite(dim, deep);
+  }
+  const auto brightest_of_second = [&](const std::vector<std::string>& arguments) {
+    const ProgramRun run = reconstruct(arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    const nlohmann::json frame = json_of(folder_ / "points/on_2.json");
+    double brightest = 0.0;
+    for (const nlohmann::json& dot : frame["dots"]) {
+      brightest = std::max<double>(brightest, dot["brightness"]);
+    }
+    return brightest;
+  };
+  const double alone = brightest_of_second({truth_, file("on_2.png"), "--off", file("off_2.png")});
+  const double second =
+      brightest_of_second({truth_, file("on_1.png"), file("on_2.png"), "--off", file("off_1.png"), file("off_2.png")});
+  EXPECT_NEAR(second / alone, 0.25, 0.03);  // whole grey values, of a dot of which some hundreds are summed
 }
 
 }  // namespace

@@ -80,19 +80,18 @@ CaseVerdict verdict_of(const CaseBase& base, int left_out, const PlaceIn& place_
   return verdict;
 }
 
-[[noreturn]] void refuse(const std::string& what) {
-  throw Error(ErrorKind::kBadInput, "the base of learnt cases is damaged: " + what + "; learn it again");
-}
-
 }  // namespace
 
-void CaseBase::check() const {
+void CaseBase::check(const std::string& where) const {
+  const auto refuse = [&](const std::string& what) {
+    throw Error(ErrorKind::kBadInput, "the base of learnt cases is damaged: " + what + "; learn it again", where);
+  };
   if (situations.empty() || situations.size() > kMostClasses || group_names.size() > kMostClasses) {
     refuse("it has no classes, or too many");
   }
   if (spaces.empty() || spaces.size() > kMostSpaces) refuse("it has no spaces, or too many");
   for (const CaseSpace& space : spaces) {
-    space.embedding.check();
+    space.embedding.check(where);
     if (space.embedding.attributes() != spaces.front().embedding.attributes())
       refuse("its spaces differ in attributes");
     if (space.cases.rows() != space.embedding.size()) refuse("its cases and its embedding differ in size");

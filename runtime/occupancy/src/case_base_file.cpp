@@ -74,7 +74,7 @@ std::string bytes_from_case_base(const CaseBase& base) {
 }
 
 CaseBase case_base_from_bytes(std::string_view bytes, const std::string& where) {
-  ByteReader reader(checked_payload(kCaseBaseKind, bytes, where), where);
+  ByteReader reader(checked_payload(kCaseBaseKind, bytes, where), where, kCaseBaseKind.remake);
   CaseBase base;
   base.attribute_set = reader.text();
   base.group_names.resize(static_cast<std::size_t>(reader.count(1, kMostClasses, "the number of groups")));
@@ -100,7 +100,7 @@ CaseBase case_base_from_bytes(std::string_view bytes, const std::string& where) 
     base.actions.push_back(static_cast<AirbagAction>(action));
   }
   reader.expect_end();
-  base.check();
+  base.check(where);
   return base;
 }
 

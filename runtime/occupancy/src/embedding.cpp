@@ -29,7 +29,7 @@ EmbeddedPlace Embedding::place(const Eigen::Ref<const Eigen::VectorXd>& of_attri
   return values;
 }
 
-void Embedding::check() const {
+void Embedding::check(const std::string& where) const {
   bool good = !layers.empty() && attributes() >= 1 && attributes() <= kMostUnits && scale.size() == attributes() &&
               centre.allFinite() && scale.allFinite();
   Eigen::Index in = attributes();
@@ -41,7 +41,7 @@ void Embedding::check() const {
   }
   if (!good) {
     throw Error(ErrorKind::kBadInput,
-                "the base of learnt cases is damaged: the layers of its embedding do not fit; learn it again");
+                "the base of learnt cases is damaged: the layers of its embedding do not fit; learn it again", where);
   }
 }
 

@@ -15,10 +15,8 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr int kIterations = 14, kWideIterations = 6;
-constexpr double kCut = 3.0;        // sigmas, of the biweight; at first thrice as wide
-constexpr double kBehind_m = 0.05;  // what ends so far behind the head's middle has passed it
-constexpr double kChin = -0.5;      // of the crown's axis: below, necks and collars are taken for heads
-constexpr double kGrazing = 0.3;    // cosine: what is seen more flatly beside the outline is the matcher's smear
+constexpr double kCut = 3.0;      // sigmas, of the biweight; at first thrice as wide
+constexpr double kGrazing = 0.3;  // cosine: what is seen more flatly beside the outline is the matcher's smear
 constexpr double kMostSize = 0.5, kMostTurn_rad = 0.3, kMostGrowth = 0.1;  // of the logarithm; of a step
 
 struct Ellipsoid {

@@ -7,6 +7,9 @@
 
 namespace raybundle {
 
+inline constexpr double kBehind_m = 0.05;  ///< what ends so far behind the head's middle has passed it
+inline constexpr double kChin = -0.5;      ///< of the crown's axis: below, necks and collars are taken for heads
+
 /// Fits the ellipsoid of a head from a start within a few centimetres; not found when too few points are on it.
 /// Gauss-Newton with Tukey's biweight on distances from the surface, and priors of size, turn and nod;
 /// the lower the head is above the seat, the smaller it commonly is.

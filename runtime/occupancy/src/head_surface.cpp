@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "head_fit.hpp"
+
 namespace raybundle {
 namespace {
 
@@ -15,8 +17,6 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr double kOutline2 = 0.81;  // of the ball's radius, squared: farther out is the matcher's smear
-constexpr double kChin = -0.5;      // of the crown's axis, as in the fit
-constexpr double kBehind_m = 0.05;  // what ends so far behind the head's middle has passed it
 constexpr double kNear_m = 0.012;   // and two sigmas: what is farther off is no part of this surface
 
 // A quadric over the plane across the line of sight, fitted to how far points are off the unit ball.

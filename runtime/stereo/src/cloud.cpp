@@ -13,10 +13,15 @@ inline float cotangent(float x) {
   return (945.0F - 420.0F * x2 + 15.0F * x2 * x2) / (x * (945.0F - 105.0F * x2 + x2 * x2));
 }
 
+// The distance of a dot became a disparity by the pair's calibration, and becomes a distance by it again: the pair's
+// errors cancel.
+constexpr auto kOfDots = static_cast<std::uint8_t>(DisparitySource::kDots);
+
 template <typename Inverse>
-void triangulate(Extent columns, const float* disparity_px, const float* sigma_px, const float* variance,
-                 const float* scale, const float* offset, const float* slope, const float* x, const float* across,
-                 float y, float z, float curve, float baseline_variance, Inverse inverse, StereoPoint* points) {
+void triangulate(Extent columns, const float* disparity_px, const float* sigma_px, const std::uint8_t* source,
+                 const float* variance, const float* scale, const float* offset, const float* slope, const float* x,
+                 const float* across, float y, float z, float curve, float baseline_variance, Inverse inverse,
+                 StereoPoint* points) {
 #pragma GCC ivdep
   for (int u = columns.begin; u < columns.end; ++u) {
     const float matched = disparity_px[u] > 0 ? 1.0F : 0.0F;  // a factor, not a branch
@@ -27,9 +32,10 @@ void triangulate(Extent columns, const float* disparity_px, const float* sigma_p
     points[u].x_m = distance * x[u];
     points[u].y_m = distance * across[u] * y;
     points[u].z_m = distance * across[u] * z;
-    const float disparity_variance = variance[u] + sigma_px[u] * sigma_px[u];
+    const float by_pair = source[u] == kOfDots ? 0.0F : 1.0F;
+    const float disparity_variance = by_pair * variance[u] + sigma_px[u] * sigma_px[u];
     points[u].sigma_m =
-        std::sqrt(along2 * (per_px * per_px * disparity_variance + distance * distance * baseline_variance));
+        std::sqrt(along2 * (per_px * per_px * disparity_variance + by_pair * distance * distance * baseline_variance));
   }
 }
 
@@ -55,19 +61,20 @@ Cloud::Cloud(const Rectification& pair, const CalibrationSigma& calibration)
     y_.push_back(static_cast<float>(pinhole_ ? plane : std::sin(plane)));
     z_.push_back(static_cast<float>(pinhole_ ? 1.0 : std::cos(plane)));
   }
+  matched_.assign(x_.size(), static_cast<std::uint8_t>(DisparitySource::kMatched));
   disparity_variance_ = calibration.disparity_sigma_px;
   for (float& value : disparity_variance_) value *= value;
 }
 
 void Cloud::triangulate_row(int v, Extent columns, const float* disparity_px, const float* sigma_px,
-                            StereoPoint* points) const {
+                            const std::uint8_t* source, StereoPoint* points) const {
   const auto width = static_cast<int>(x_.size());
   columns.fill_beyond(points, width, StereoPoint{});
   const auto call = [&](auto inverse) {
-    triangulate(columns, disparity_px, sigma_px, disparity_variance_.data() + static_cast<std::ptrdiff_t>(v) * width,
-                scale_.data(), offset_.data(), slope_.data(), x_.data(), across_.data(),
-                y_[static_cast<std::size_t>(v)], z_[static_cast<std::size_t>(v)], curve_, relative_baseline_variance_,
-                inverse, points);
+    triangulate(columns, disparity_px, sigma_px, source != nullptr ? source : matched_.data(),
+                disparity_variance_.data() + static_cast<std::ptrdiff_t>(v) * width, scale_.data(), offset_.data(),
+                slope_.data(), x_.data(), across_.data(), y_[static_cast<std::size_t>(v)],
+                z_[static_cast<std::size_t>(v)], curve_, relative_baseline_variance_, inverse, points);
   };
   if (pinhole_) {
     call([](float disparity) { return 1.0F / disparity; });

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "calibration_sigma.hpp"
@@ -19,10 +20,11 @@ class Cloud {
  public:
   Cloud(const Rectification& pair, const CalibrationSigma& calibration);
 
-  /// @param columns  of the row that may be matched; the others become points at 0
+  /// @param columns   of the row that may be matched; the others become points at 0
   /// @param sigma_px  of each disparity of the row, without the calibration's
+  /// @param source    DisparitySource of each; null: all are the matcher's
   void triangulate_row(int v, Extent columns, const float* disparity_px, const float* sigma_px,
-                       StereoPoint* points) const;
+                       const std::uint8_t* source, StereoPoint* points) const;
 
  private:
   bool pinhole_;
@@ -31,6 +33,7 @@ class Cloud {
   float relative_baseline_variance_;
   std::vector<float> scale_, offset_, slope_, x_, across_;  // for each column
   std::vector<float> y_, z_;                                // for each row
+  std::vector<std::uint8_t> matched_;                       // for each column: DisparitySource::kMatched
   std::vector<float> disparity_variance_;                   // for each pixel, of the calibration [px²]
 };
 

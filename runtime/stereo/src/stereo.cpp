@@ -93,7 +93,7 @@ StereoFrame StereoMatcher::process(GreyView left, GreyView right, std::span<cons
   if (own.fusion) frame.fused = own.fusion->fuse(frame.left, frame.disparity, dots);
   for (int v = 0; v < own.points.size.height; ++v) {
     own.cloud.triangulate_row(v, own.left_table.extent(v), frame.disparity_px().row(v), frame.sigma_px().row(v),
-                              own.points.view().row(v));
+                              own.fusion ? frame.fused.source.row(v) : nullptr, own.points.view().row(v));
   }
   frame.points = own.points.seen();
   frame.state = frame.disparity.matched < own.options.least_matched * own.covered ? State::kDegraded : State::kOk;

@@ -32,7 +32,7 @@ BeamMemory::Off BeamMemory::off(int beam, double along_m, double inverse_distanc
   const Line& line = lines_[beam];
   const Eigen::Vector2d at = design(along_m, inverse_distance);
   const Eigen::Matrix2d covariance = (line.prior + line.information).inverse();
-  return {at.dot(covariance * line.right), at.dot(covariance * at)};
+  return {at.dot(covariance * line.right), at.dot(covariance * at), at.transpose() * covariance * line.prior};
 }
 
 void BeamMemory::fade() {

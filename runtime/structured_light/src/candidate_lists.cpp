@@ -8,31 +8,63 @@
 namespace raybundle {
 namespace {
 
-std::optional<CurvePoint> point_at(const Camera& camera, const Line3& line, double depth_m) {
-  if (std::abs(line.direction.z()) < 1e-6) return std::nullopt;
-  const double along = (depth_m - line.point.z()) / line.direction.z();
-  const auto pixel = pixel_from_ray(camera, line.at(along));
-  return pixel && camera.size.contains(*pixel) ? std::optional(CurvePoint{*pixel, depth_m}) : std::nullopt;
-}
+// A place on a beam and where it is seen, in the image or beside it; nothing where the lens has no pixel for it.
+struct Sight {
+  double inverse_depth = 0.0;
+  std::optional<Eigen::Vector2d> pixel;
+};
+
+// Fills a curve step by step.
+struct CurveTracer {
+  const Camera& camera;
+  const Line3& line;
+  double step_px;
+  std::vector<CurvePoint> curve = {};
+
+  Sight sight(double inverse_depth) const {
+    const double along = (1.0 / inverse_depth - line.point.z()) / line.direction.z();
+    return {inverse_depth, pixel_from_ray(camera, line.at(along))};
+  }
+
+  void add(const Sight& sight) {
+    if (sight.pixel && camera.size.contains(*sight.pixel)) curve.push_back({*sight.pixel, 1.0 / sight.inverse_depth});
+  }
+
+  // Whether the image may show more between two sights: they are farther apart than a step, and than the image is away.
+  bool leave_a_gap(const Sight& a, const Sight& b) const {
+    if (!a.pixel || !b.pixel) return a.pixel || b.pixel;
+    const double apart_px = (*a.pixel - *b.pixel).norm();
+    const Eigen::Vector2d inside =
+        a.pixel->cwiseMax(0.0).cwiseMin(Eigen::Vector2d(camera.size.width - 1.0, camera.size.height - 1.0));
+    return apart_px > step_px && (*a.pixel - inside).norm() <= apart_px;
+  }
+
+  void add_between(const Sight& a, const Sight& b, int halvings) {
+    if (halvings == 0 || !leave_a_gap(a, b)) return;
+    const Sight middle = sight(0.5 * (a.inverse_depth + b.inverse_depth));
+    add_between(a, middle, halvings - 1);
+    add(middle);
+    add_between(middle, b, halvings - 1);
+  }
+};
 
 }  // namespace
 
 std::vector<CurvePoint> beam_curve(const Camera& camera, const Line3& line, const SensorRange& range, double step_px) {
-  // Equal steps of inverse depth are nearly equal steps in the image; as many as the longest of a few coarse ones asks.
-  constexpr int kCoarse = 16;
+  if (std::abs(line.direction.z()) < 1e-6) return {};
+  // Equal steps of inverse depth are nearly equal steps in the image; where it shows them, they are halved.
+  constexpr int kCoarse = 32, kMostHalvings = 16;
   const double from = 1.0 / range.farthest_m, to = 1.0 / range.nearest_m;
-  const auto at = [&](int i, int count) { return point_at(camera, line, 1.0 / (from + (to - from) * i / count)); };
-  double longest = step_px;
-  for (int i = 0; i < kCoarse; ++i) {
-    const auto a = at(i, kCoarse), b = at(i + 1, kCoarse);
-    if (a && b) longest = std::max(longest, (b->pixel - a->pixel).norm());
+  CurveTracer tracer{camera, line, step_px};
+  Sight last = tracer.sight(from);
+  tracer.add(last);
+  for (int i = 1; i <= kCoarse; ++i) {
+    const Sight next = tracer.sight(from + (to - from) * i / kCoarse);
+    tracer.add_between(last, next, kMostHalvings);
+    tracer.add(next);
+    last = next;
   }
-  const int count = kCoarse * 2 * static_cast<int>(std::ceil(longest / step_px));
-  std::vector<CurvePoint> curve;
-  for (int i = 0; i <= count; ++i) {
-    if (const auto point = at(i, count)) curve.push_back(*point);
-  }
-  return curve;
+  return tracer.curve;
 }
 
 std::span<const std::uint16_t> CandidateLists::at(const Eigen::Vector2d& pixel) const {

@@ -35,6 +35,15 @@ Eigen::Vector3d source_of(const SensorTable& table) {
   return point_nearest_to(lines);
 }
 
+// How a beam's offset and slope along the normal of its epipolar plane change with a motion that all beams share:
+// rotation about the camera's centre, translation.
+Eigen::Matrix<double, 2, 6> by_shared_motion(const BeamGeometry& beam) {
+  Eigen::Matrix<double, 2, 6> by;
+  by << beam.point.cross(beam.normal).transpose(), beam.normal.transpose(),  //
+      beam.direction.cross(beam.normal).transpose(), Eigen::RowVector3d::Zero();
+  return by;
+}
+
 const HealthOptions& checked(const HealthOptions& options) {
   if (options.window >= 1 && options.memory >= 1) return options;
   throw Error(ErrorKind::kBadInput, "the watch over a calibration takes a window and a memory of 1 frame or more");
@@ -52,7 +61,8 @@ Health::Health(const BeamSet& beams, const HealthOptions& options)
   for (Frame& frame : frames_) frame.seen.reserve(beams.beams.size());
 }
 
-void Health::Sums::add(const Vector4& by, double off, double of_dot, double of_beam, double frames) {
+void Health::Sums::add(const Vector4& by, double off, double of_dot, double of_beam, const RowVector6& off_by_motion,
+                       double frames) {
   // Over the window the dots' noise averages out, the beams' errors stay.
   const double weight = 1.0 / (of_dot / frames + of_beam);
   const Matrix4 square = by * by.transpose();
@@ -60,6 +70,7 @@ void Health::Sums::add(const Vector4& by, double off, double of_dot, double of_b
   by_dots += weight * weight * of_dot * square;
   by_beams += weight * weight * of_beam * square;
   right += weight * off * by;
+  by_motion += weight * by * off_by_motion;
 }
 
 Health::Sums& Health::Sums::operator+=(const Sums& other) {
@@ -67,6 +78,7 @@ Health::Sums& Health::Sums::operator+=(const Sums& other) {
   by_dots += other.by_dots;
   by_beams += other.by_beams;
   right += other.right;
+  by_motion += other.by_motion;
   squares += other.squares;
   return *this;
 }
@@ -90,9 +102,12 @@ void Health::take(std::span<const Sample> samples, Frame& frame) const {
     // Beams that have been moved to another wavelength leave the rest only.
     const double off_calibrated = off + by[0] * beams_.log_wavelength;
     const BeamMemory::Off known = memory_.off(sample.beam, point.along_m, point.inverse_distance);
-    frame.by_calibration.add(by, off_calibrated, of_dot, of_beam, frames);
+    const Eigen::Matrix<double, 2, 6> by_motion = by_shared_motion(beam);
+    const Eigen::RowVector2d at(point.inverse_distance, point.along_m * point.inverse_distance);
+    frame.by_calibration.add(by, off_calibrated, of_dot, of_beam, at * by_motion, frames);
     frame.by_calibration.squares += off * off / (of_dot + of_beam + of_wavelength);
-    frame.by_memory.add(by, off_calibrated - known.mean, of_dot, known.variance, frames);
+    frame.by_memory.add(by, off_calibrated - known.mean, of_dot, known.variance, known.by_calibration * by_motion,
+                        frames);
     frame.by_memory.squares += std::pow(off - known.mean, 2) / (of_dot + known.variance + of_wavelength);
     frame.seen.push_back({sample.beam, point.along_m, point.inverse_distance, off_calibrated, by[0], of_dot});
   }
@@ -119,6 +134,7 @@ Health::Solution Health::solve(Sums sum, int dots) const {
   const double frames = static_cast<double>(frames_.size());
   const double inflation = std::max(1.0, solution.residual_scale * solution.residual_scale);
   Matrix4 of_right = inflation * sum.by_dots + frames * sum.by_beams;
+  of_right += sum.by_motion * beams_.table.shared_covariance * sum.by_motion.transpose();
   of_right.diagonal() += before;
   solution.covariance = inverse * of_right * inverse;
   const Eigen::Vector3d turn = solution.change.tail<3>();

@@ -7,10 +7,14 @@
 
 #include "candidate_lists.hpp"
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/geometry/rotation.hpp"
+#include "raybundle/scene/parameter_names.hpp"
 #include "raybundle/structured_light/beam_geometry.hpp"
 
 namespace raybundle {
 namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr double kCurveStep_px = 2.0;
 constexpr double kFarAway_m = 1e4;  // dots beyond the range have to be told from those in it
@@ -28,6 +32,23 @@ Eigen::Matrix4d turned(const Eigen::Matrix4d& covariance, const Rigid3& b_from_a
   both.topLeftCorner<2, 2>() = turn;
   both.bottomRightCorner<2, 2>() = turn;
   return both * covariance * both.transpose();
+}
+
+// What the calibration leaves uncertain of the camera's place on the rig, as a motion of the beams before it. There the
+// rig turns about its own origin, here about the camera's centre.
+Matrix6 of_place(const Calibration& calibration, const RigCamera& camera) {
+  Matrix6 about_centre = Matrix6::Identity();
+  about_centre.bottomLeftCorner<3, 3>() = skew(camera.camera_from_rig.translation);
+  return about_centre * calibration.covariance.block(extrinsic_names(camera)) * about_centre.transpose();
+}
+
+// The covariance of a line that moves with others: rotation about the camera's centre, translation.
+Eigen::Matrix4d shared_by(const Line3& line, const Matrix6& motion) {
+  const Eigen::Matrix<double, 2, 3> sideways = across(line.direction).transpose();
+  Eigen::Matrix<double, 4, 6> by_motion;
+  by_motion << -sideways * skew(line.point), sideways,  //
+      -sideways * skew(line.direction), Eigen::Matrix<double, 2, 3>::Zero();
+  return by_motion * motion * by_motion.transpose();
 }
 
 // How the wavelength moves a calibrated beam, by the grating's model.
@@ -77,7 +98,8 @@ void add_beams(const LaserPattern& laser, const RigCamera& camera, SensorTable& 
                                             ", so that its dots tell no depth; give another --camera");
     }
     known[laser.grid.index(beam.row, beam.column)] = 1;
-    table.beams.push_back({beam.row, beam.column, true, line, turned(beam.covariance, camera_from_rig, beam.line, line),
+    const Eigen::Matrix4d own = turned(beam.covariance, camera_from_rig, beam.line, line);
+    table.beams.push_back({beam.row, beam.column, true, line, own + shared_by(line, table.shared_covariance),
                            per_wavelength(laser, beam.row, beam.column, camera_from_rig, line)});
     if (const auto model = line_of_model(laser, beam.row, beam.column)) {
       const Eigen::Vector4d motion = motion_between(line, camera_from_rig * *model);
@@ -89,7 +111,8 @@ void add_beams(const LaserPattern& laser, const RigCamera& camera, SensorTable& 
     const auto model = known[b] ? std::nullopt : line_of_model(laser, row, column);
     if (!model) continue;
     const Line3 line = camera_from_rig * Line3{model->at(kForeseenAt_m), model->direction};
-    table.beams.push_back({row, column, false, line, kExtrapolation * off_model,
+    table.beams.push_back({row, column, false, line,
+                           kExtrapolation * off_model + shared_by(line, table.shared_covariance),
                            per_wavelength(laser, row, column, camera_from_rig, line)});
   }
   std::ranges::sort(table.beams, {}, [](const TableBeam& beam) { return std::pair(beam.row, beam.column); });
@@ -102,6 +125,12 @@ SensorTable sensor_table(const Calibration& calibration, const std::string& came
   if (!calibration.laser || calibration.laser->beams.empty() || calibration.cameras.empty()) {
     throw Error(ErrorKind::kBadInput, "the calibration holds no laser beams; calibrate with a [laser] section");
   }
+  const LaserGrid& grid = calibration.laser->grid;
+  if (grid.size() > kMostBeams) {
+    throw Error(ErrorKind::kBadInput, "a laser of " + std::to_string(grid.rows) + " rows and " +
+                                          std::to_string(grid.columns) +
+                                          " columns has more beams than a table holds, " + std::to_string(kMostBeams));
+  }
   require_sense(range);
   const RigCamera& camera = camera_name.empty() ? calibration.cameras.front() : camera_named(calibration, camera_name);
   SensorTable table;
@@ -109,7 +138,8 @@ SensorTable sensor_table(const Calibration& calibration, const std::string& came
   table.origin = origin;
   table.range = range;
   table.rays = ray_table(camera.camera);
-  table.grid = calibration.laser->grid;
+  table.grid = grid;
+  table.shared_covariance = of_place(calibration, camera);
   add_beams(*calibration.laser, camera, table);
 
   std::vector<std::vector<CurvePoint>> curves, endless;

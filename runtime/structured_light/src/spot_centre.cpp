@@ -46,26 +46,31 @@ Surroundings surroundings_of(const Window& window, int rim) {
       if (std::abs(i) < rim) use(-rim, i), use(rim, i);
     }
   };
+  const auto off = [&](int u, int v) {
+    return window[v + kHalf][u + kHalf] - plane.level - plane.slope_u * static_cast<float>(u) -
+           plane.slope_v * static_cast<float>(v);
+  };
   float limit = 1e9F;
   for (int round = 0; round < 2; ++round) {
+    // What is left over is fitted: where some of the ring is left out, the sums of u and v are not zero.
     float n = 0, sum = 0, su = 0, sv = 0, suu = 0, svv = 0, squares = 0;
     each([&](int u, int v) {
-      const float value = window[v + kHalf][u + kHalf];
-      const float fit = plane.level + plane.slope_u * static_cast<float>(u) + plane.slope_v * static_cast<float>(v);
-      if (std::abs(value - fit) > limit) return;
+      const float value = off(u, v);
+      if (std::abs(value) > limit) return;
       n += 1;
       sum += value;
       su += value * static_cast<float>(u), suu += static_cast<float>(u * u);
       sv += value * static_cast<float>(v), svv += static_cast<float>(v * v);
     });
     if (n < static_cast<float>(4 * rim)) break;
-    plane = {sum / n, su / suu, sv / svv, 0};
+    plane.level += sum / n;
+    plane.slope_u += su / suu;
+    plane.slope_v += sv / svv;
     float kept = 0;
     each([&](int u, int v) {
-      const float value = window[v + kHalf][u + kHalf];
-      const float fit = plane.level + plane.slope_u * static_cast<float>(u) + plane.slope_v * static_cast<float>(v);
-      if (limit < 1e9F && std::abs(value - fit) > limit) return;
-      squares += (value - fit) * (value - fit);
+      const float value = off(u, v);
+      if (std::abs(value) > limit) return;
+      squares += value * value;
       kept += 1;
     });
     plane.sigma = std::sqrt(squares / std::max(1.0F, kept));

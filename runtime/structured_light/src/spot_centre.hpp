@@ -19,7 +19,7 @@ struct MeasuredSpot {
   Eigen::Vector2d pixel;
   Eigen::Matrix2d covariance_px2;
   double major_sigma_px = 0.0;  ///< of the spot's light, along its longer axis
-  double brightness = 0.0;      ///< sum of grey values above the surroundings
+  double brightness = 0.0;      ///< sum of grey values above the surroundings, weighted as for the centre
 };
 
 /// The centre of a spot near a place; nothing where there is none, or one that is a single hot pixel, a plateau, a

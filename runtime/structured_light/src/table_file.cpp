@@ -11,7 +11,7 @@
 namespace raybundle {
 namespace {
 
-constexpr int kMostPixels = 1 << 15, kMostBeams = 1 << 14, kMostTests = 1 << 12;
+constexpr int kMostPixels = 1 << 15, kMostTests = 1 << 12;
 
 template <typename Derived>
 void put(ByteWriter& writer, const Eigen::MatrixBase<Derived>& matrix) {
@@ -114,6 +114,7 @@ std::string bytes_from_table(const SensorTable& table) {
   writer.values<double>(table.rays.nodes);
   put_count(writer, table.grid.rows);
   put_count(writer, table.grid.columns);
+  put(writer, table.shared_covariance);
   put_count(writer, table.beams.size());
   for (const TableBeam& beam : table.beams) {
     put_count(writer, beam.row);
@@ -138,7 +139,7 @@ std::string bytes_from_table(const SensorTable& table) {
 }
 
 SensorTable table_from_bytes(std::string_view bytes, const std::string& where) {
-  ByteReader reader(checked_payload(kTableKind, bytes, where), where);
+  ByteReader reader(checked_payload(kTableKind, bytes, where), where, kTableKind.remake);
   SensorTable table;
   table.serial = serial_of(bytes);
   reader.text();  // units: for people
@@ -147,7 +148,10 @@ SensorTable table_from_bytes(std::string_view bytes, const std::string& where) {
   read_range(reader, table);
   read_rays(reader, table.rays);
   table.grid.rows = reader.count(1, kMostBeams, "the rows of beams");
-  table.grid.columns = reader.count(1, kMostBeams, "the columns of beams");
+  table.grid.columns = reader.count(1, kMostBeams / table.grid.rows, "the columns of beams");
+  for (double& number : table.shared_covariance.reshaped()) {
+    number = finite(reader, "the covariance that the beams share");
+  }
   const int beams = reader.count(1, kMostBeams, "the number of beams");
   for (int i = 0; i < beams; ++i) {
     const TableBeam beam = read_beam(reader, table.grid);

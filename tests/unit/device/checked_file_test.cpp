@@ -71,7 +71,7 @@ TEST(ByteStream, GivesBackWhatWasPutInAndRefusesToReadOn) {
   writer.text("name");
   writer.values<double>(numbers);
   writer.value(std::uint32_t{5});
-  ByteReader reader(writer.bytes(), "x");
+  ByteReader reader(writer.bytes(), "x", kKind.remake);
   EXPECT_EQ(reader.value<std::uint16_t>(), 7);
   EXPECT_EQ(reader.text(), "name");
   EXPECT_EQ(reader.values<double>(2), numbers);

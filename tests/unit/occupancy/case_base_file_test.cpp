@@ -52,6 +52,24 @@ TEST(CaseBaseFile, EveryFlippedBitAndEveryTruncationIsRefused) {
   }
 }
 
+TEST(CaseBaseFile, SaysWhichFileIsDamagedAndHowToMakeItAgain) {
+  const std::string bytes = bytes_from_case_base(small_base());
+  std::string payload(checked_payload(kCaseBaseKind, bytes, "base"));
+  const auto complaint = [](const std::string& content) -> std::string {
+    try {
+      case_base_from_bytes(checked_file(kCaseBaseKind, content), "cabin.rbcases");
+      return "none";
+    } catch (const Error& error) {
+      return error.what();
+    }
+  };
+  EXPECT_EQ(complaint(payload.substr(0, payload.size() - 1)),
+            "cabin.rbcases: holds no sensible value for a list; make it again with `raybundle occupancy learn`");
+  payload.back() = 9;  // the action of the last case
+  EXPECT_EQ(complaint(payload),
+            "cabin.rbcases: the base of learnt cases is damaged: a case has no right action; learn it again");
+}
+
 TEST(CaseBaseFile, ContentThatDoesNotAgreeIsNotWritten) {
   CaseBase base = small_base();
   base.situations[1].group = 2;

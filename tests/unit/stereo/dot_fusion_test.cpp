@@ -11,7 +11,9 @@
 #include <random>
 
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/scene/parameter_names.hpp"
 #include "raybundle/stereo/rectification.hpp"
+#include "raybundle/stereo/stereo.hpp"
 
 namespace raybundle {
 namespace {
@@ -54,13 +56,21 @@ bool is_from(const FusedView& view, int i, DisparitySource source) {
   return view.source.pixels[i] == static_cast<std::uint8_t>(source);
 }
 
-// A pair of either projection, 0.1 m apart and turned.
-Rectification pair_of(RectifiedProjection projection) {
-  const Camera camera = start_camera(*model_named("pinhole"), {160, 120}, 100.0);
+// A pair, 0.1 m apart and turned.
+Calibration two_cameras() {
+  const Camera camera = start_camera(*model_named("pinhole"), kSize, 100.0);
   RigCamera left{"left", camera, {}}, right{"right", camera, {}};
   right.camera_from_rig.rotation = Eigen::AngleAxisd(0.05, Eigen::Vector3d(1, 2, 3).normalized());
   right.camera_from_rig.translation = right.camera_from_rig.rotation * Eigen::Vector3d(-0.1, 0.002, 0.001);
-  return rectify(left, right, {.projection = projection});
+  Calibration calibration;
+  calibration.cameras = {left, right};
+  return calibration;
+}
+
+// The same, rectified to either projection.
+Rectification pair_of(RectifiedProjection projection) {
+  const Calibration calibration = two_cameras();
+  return rectify(calibration.cameras[0], calibration.cameras[1], {.projection = projection});
 }
 
 // Its sigma is the spread of the disparities of points that scatter along the ray.
@@ -84,6 +94,35 @@ TEST(AnchorDot, IsWhereBothRectifiedImagesShowThePoint) {
     const double slope = (disparity(x_in_left - kSigma_m * ray) - disparity(x_in_left + kSigma_m * ray)) / 2;
     EXPECT_NEAR(dot->sigma_px, slope, 1e-3 * slope);  // both are differences, of 0.5 % and 0.1 % of the distance
     EXPECT_FALSE(anchor_dot(pair, -x_in_left, covariance));
+  }
+}
+
+// What is uncertain of the pair takes part twice, where a distance becomes a disparity and where that becomes a distance
+// again: it cancels.
+TEST(StereoMatcher, SigmaOfWhatDotsFillIsThatOfTheDotsAlone) {
+  const std::vector<std::uint8_t> grey(kPixels, 100);
+  const GreyView flat{grey.data(), kSize.width, kSize.height, kSize.width};
+  for (const auto projection : {RectifiedProjection::kPinhole, RectifiedProjection::kTransverseEquirectangular}) {
+    Calibration calibration = two_cameras();
+    StereoOptions options;
+    options.rectify.projection = projection;
+    options.dots.emplace();
+    StereoMatcher sure(calibration, "left", "right", options);
+    calibration.covariance = {extrinsic_names("right"), 1e-4 * Eigen::MatrixXd::Identity(6, 6)};
+    StereoMatcher unsure(calibration, "left", "right", options);
+    ASSERT_GT(unsure.calibration_sigma_px(), 0.5);
+    const Rectification& pair = sure.rectification();
+    std::vector<AnchorDot> dots;
+    for (int v = 6; v < pair.camera.size.height; v += kSpacing) {
+      for (int u = 6; u < pair.camera.size.width; u += kSpacing) {
+        dots.push_back({1.0 * u, 1.0 * v, disparity_from_distance(pair.camera, pair.baseline_m, u, 0.8), kDotSigma});
+      }
+    }
+    const StereoFrame a = sure.process(flat, flat, dots), b = unsure.process(flat, flat, dots);
+    ASSERT_GT(a.fused.filled, 1000);
+    for (int i = 0; i < pair.camera.size.width * pair.camera.size.height; ++i) {
+      ASSERT_EQ(a.points.pixels[i].sigma_m, b.points.pixels[i].sigma_m) << i;
+    }
   }
 }
 

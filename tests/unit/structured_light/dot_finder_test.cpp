@@ -87,6 +87,27 @@ TEST(DotFinder, UsesAnImageWithoutTheLaser) {
   EXPECT_LE(found.rms_px, 0.12);
 }
 
+// A reflex beside a dot is left out of its surroundings, on one side: their plane must not tilt for that.
+TEST(DotFinder, IsNotPulledByASpeckBesideADot) {
+  const ImageSize size{64, 48};
+  DotFinder finder(size, 50);
+  for (const Eigen::Vector2d& at :
+       {Eigen::Vector2d(32.0, 24.0), Eigen::Vector2d(32.4, 24.3), Eigen::Vector2d(31.7, 23.9)}) {
+    std::vector<std::uint8_t> pixels;
+    for (int v = 0; v < size.height; ++v) {
+      for (int u = 0; u < size.width; ++u) {
+        const double speck = u == 36 && std::abs(v - 24) <= 1 ? 60.0 : 0.0;
+        const double dot = 90.0 * std::exp(-(Eigen::Vector2d(u, v) - at).squaredNorm() / (2.0 * 0.8 * 0.8));
+        pixels.push_back(static_cast<std::uint8_t>(std::lround(80.0 + dot + speck)));
+      }
+    }
+    const auto found = finder.find({pixels.data(), size.width, size.height, size.width});
+    ASSERT_FALSE(found.empty());
+    const auto off = [&](const Dot& dot) { return (dot.pixel - at).norm(); };
+    EXPECT_LT(off(*std::ranges::min_element(found, {}, off)), 0.03);  // whole grey values; 0.15 and more by a tilt
+  }
+}
+
 TEST(DotFinder, FindsNothingInEmptyFlatAndDefectImages) {
   const ImageSize size{64, 48};
   DotFinder finder(size, 50);

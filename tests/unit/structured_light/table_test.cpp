@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/scene/parameter_names.hpp"
 #include "raybundle/structured_light/beam_geometry.hpp"
 #include "raybundle/structured_light/table_file.hpp"
 #include "worlds.hpp"
@@ -73,8 +74,44 @@ TEST(SensorTable, FailsItsSelfTestWhenABeamIsAnother) {
   EXPECT_THROW(table_from_bytes(bytes_from_table(table), "table"), Error);
 }
 
+// A beam is as uncertain as it is on the rig, and as the camera's place on the rig makes it; the first camera is the rig.
+TEST(SensorTable, CountsTheUncertainPlaceOfACameraThatIsNotTheFirst) {
+  constexpr double kBeamSigma = 1e-4;
+  testing::SensorWorld world = sensor_world({3, 3}, 12.0, kBeamSigma);
+  RigCamera right{"right", world.camera.camera, {}};
+  right.camera_from_rig = {Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d(2, 1, 2) / 3.0)),
+                           {0.2, 0.1, 0.05}};
+  world.calibration.cameras.push_back(right);
+  Eigen::MatrixXd root(6, 6);
+  Random random(2);
+  for (double& number : root.reshaped()) number = 1e-4 * random.normal();
+  world.calibration.covariance = {extrinsic_names(right), root * root.transpose()};
+
+  const SensorTable of_first = sensor_table(world.calibration, "", {}, "a test");
+  const SensorTable of_right = sensor_table(world.calibration, "right", {}, "a test");
+  EXPECT_EQ(of_first.shared_covariance.norm(), 0.0);
+  for (std::size_t b = 0; b < of_right.beams.size(); ++b) {
+    const Line3 &line = of_right.beams[b].line, &in_rig = world.calibration.laser->beams[b].line;
+    Eigen::Matrix<double, 4, 6> by_place;
+    for (int i = 0; i < 6; ++i) {
+      constexpr double kStep = 1e-6;
+      const Eigen::Matrix<double, 6, 1> step = kStep * Eigen::Matrix<double, 6, 1>::Unit(i);
+      by_place.col(i) = motion_between(line, perturbed(right.camera_from_rig, step) * in_rig) / kStep;
+    }
+    // Equal variances of offsets and slopes on the rig are so in the camera, too.
+    const Eigen::Matrix4d expected = kBeamSigma * kBeamSigma * Eigen::Matrix4d::Identity() +
+                                     by_place * world.calibration.covariance.matrix * by_place.transpose();
+    EXPECT_LT((of_right.beams[b].covariance - expected).norm(), 1e-4 * expected.norm()) << b;  // one-sided steps
+  }
+  const SensorTable again = table_from_bytes(bytes_from_table(of_right), "table");
+  EXPECT_EQ(again.shared_covariance, of_right.shared_covariance);
+}
+
 TEST(SensorTable, SaysWhatItNeeds) {
   testing::SensorWorld world = sensor_world({3, 3}, 12.0);
+  world.calibration.laser->grid = {200, 200};  // more beams than are counted in 16 bits
+  EXPECT_THROW(sensor_table(world.calibration, "", {}, ""), Error);
+  world.calibration.laser->grid = {3, 3};
   EXPECT_THROW(sensor_table(world.calibration, "", {.nearest_m = 2.0, .farthest_m = 1.0}, ""), Error);
   EXPECT_THROW(sensor_table(world.calibration, "other", {}, ""), Error);
   world.calibration.laser.reset();
@@ -94,6 +131,28 @@ TEST(SensorTable, ListsEveryBeamWhereItsDotsAreSeen) {
     const auto listed = table.candidates.at(*pixel);
     EXPECT_TRUE(std::ranges::count(listed, beam) == 1) << "beam " << beam << " at " << depth << " m";
   }
+}
+
+// Long lenses near a far projector: a beam's dots cross a corner of the image between two places far outside of it.
+TEST(SensorTable, ListsBeamsThatCrossACornerOfTheImage) {
+  testing::SensorWorld world = sensor_world({11, 11}, 12.0);
+  RigCamera& camera = world.calibration.cameras.front();
+  camera.camera = start_camera(*model_named("pinhole"), {640, 480}, 2000.0);
+  for (LaserBeam& beam : world.calibration.laser->beams) beam.line.point.x() += 0.3;
+  const SensorTable table = sensor_table(world.calibration, "", {}, "a test");
+  int seen = 0;
+  for (std::size_t b = 0; b < table.beams.size(); ++b) {
+    const Line3& line = table.beams[b].line;
+    for (int i = 0; i <= 20000; ++i) {
+      const double depth = 1.0 / (1.0 / 1.5 + (1.0 / 0.15 - 1.0 / 1.5) * i / 20000);
+      const auto pixel = pixel_from_ray(camera.camera, line.at((depth - line.point.z()) / line.direction.z()));
+      if (!pixel || !camera.camera.size.contains(*pixel)) continue;
+      ++seen;
+      const auto listed = table.candidates.at(*pixel);
+      ASSERT_EQ(std::ranges::count(listed, static_cast<int>(b)), 1) << "beam " << b << " at " << depth << " m";
+    }
+  }
+  EXPECT_GT(seen, 1000);
 }
 
 }  // namespace

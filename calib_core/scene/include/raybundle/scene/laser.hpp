@@ -21,7 +21,7 @@ struct Dot {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();               ///< [px], (0, 0) is the centre of the top-left pixel
   Eigen::Matrix2d covariance_px2 = Eigen::Matrix2d::Identity();  ///< positive definite
   int beam = kUnlabelled;                                        ///< LaserGrid::index, or kUnlabelled
-  double brightness = 0.0;  ///< grey values above the background, summed over the spot; 0: not measured
+  double brightness = 0.0;  ///< grey values above the background, summed as its finder weights them; 0: not measured
 };
 
 /// How the beams of a projector are counted: row by row.

@@ -45,7 +45,10 @@ class ByteWriter {
 /// Reads them back. Throws Error(kBadInput) where the bytes end too early or a number is out of its range.
 class ByteReader {
  public:
-  ByteReader(std::string_view bytes, std::string where) : bytes_(bytes), where_(std::move(where)) {}
+  /// @param where   name of the file, for messages
+  /// @param remake  for messages, how to make it again: FileKind::remake
+  ByteReader(std::string_view bytes, std::string where, std::string_view remake)
+      : bytes_(bytes), where_(std::move(where)), remake_(remake) {}
 
   template <typename Value>
   Value value() {
@@ -83,7 +86,8 @@ class ByteReader {
   }
 
   [[noreturn]] void fail(const char* what) const {
-    throw Error(ErrorKind::kBadInput, std::string("holds no sensible value for ") + what + "; export it again", where_);
+    throw Error(ErrorKind::kBadInput,
+                std::string("holds no sensible value for ") + what + "; make it again with `" + remake_ + "`", where_);
   }
 
  private:
@@ -95,7 +99,7 @@ class ByteReader {
   }
 
   std::string_view bytes_;
-  std::string where_;
+  std::string where_, remake_;
 };
 
 }  // namespace raybundle

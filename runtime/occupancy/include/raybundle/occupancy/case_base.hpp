@@ -47,8 +47,9 @@ struct CaseBase {
   double sure_of_group = 0.5;              ///< votes that a group must have before it is told
   double sure_of_situation = 0.5;          ///< votes that a class must have before it is told
 
+  /// @param where  name of its file, for messages
   /// @throws Error(kBadInput) naming what does not agree
-  void check() const;
+  void check(const std::string& where = {}) const;
 };
 
 /// What the nearest cases say; means over the spaces but where it says otherwise.

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace raybundle {
@@ -34,8 +35,9 @@ struct Embedding {
   /// Without heap; the same bits on every run.
   EmbeddedPlace place(const Eigen::Ref<const Eigen::VectorXd>& of_attributes) const;
 
+  /// @param where  name of its file, for messages
   /// @throws Error(kBadInput) when sizes do not agree or a number is not finite
-  void check() const;
+  void check(const std::string& where = {}) const;
 };
 
 }  // namespace raybundle

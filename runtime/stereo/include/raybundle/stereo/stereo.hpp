@@ -22,7 +22,9 @@ struct StereoPoint {
   float x_m = 0.0F;  ///< in the rectified frame: x along the baseline, y down, z forward, from the left camera
   float y_m = 0.0F;
   float z_m = 0.0F;
-  float sigma_m = 0.0F;  ///< standard deviation along the ray, of match and calibration; 0 where there is no point
+  /// Standard deviation along the ray; 0 where there is no point. Of match and calibration, or of the dots alone, whose
+  /// distance the pair's calibration does not change.
+  float sigma_m = 0.0F;
 };
 
 struct StereoOptions {

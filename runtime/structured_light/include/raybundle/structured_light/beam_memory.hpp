@@ -21,6 +21,7 @@ class BeamMemory {
   struct Off {
     double mean = 0.0;
     double variance = 0.0;
+    Eigen::RowVector2d by_calibration;  ///< what an error of the calibrated offset [m] and slope still does, unlearnt
   };
   Off off(int beam, double along_m, double inverse_distance) const;
 

@@ -37,8 +37,8 @@ class DotFinder {
 
   /// @param on   image with the laser on; of the size said at the start
   /// @param off  the same scene with the laser off, or a view without pixels
-  /// @return     dots in the order of the image's rows; brightness is the sum of grey values above the surroundings.
-  ///             Valid until the next call
+  /// @return     dots in the order of the image's rows; brightness is the sum of grey values above the surroundings,
+  ///             weighted as for the centre. Valid until the next call
   std::span<const Dot> find(const GreyView& on, const GreyView& off = {});
 
  private:

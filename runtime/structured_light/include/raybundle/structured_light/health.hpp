@@ -43,7 +43,8 @@ struct HealthReport {
 /// The distances of the labelled dots from their planes, over a window of frames, are explained by a change of the
 /// wavelength and a turn of the projector, together, so that heat is not taken for a turn nor hides one. That is done
 /// twice. Against the calibration: what it leaves uncertain of the beams does not average out over frames, and bounds
-/// the turn that can be told. Against what the frames before the window taught of each beam: that finds smaller turns,
+/// the turn that can be told; what all beams share of it, as the camera's place on the rig, does not average out over
+/// beams either. Against what the frames before the window taught of each beam: that finds smaller turns,
 /// if they happen while it runs; slower ones are learnt and left to the first. It cannot see what moves dots along
 /// their curves: a turn about the axis at right angles to the baseline and to the line of sight, a change of the
 /// baseline's length.
@@ -66,6 +67,7 @@ class Health {
  private:
   using Vector4 = Eigen::Vector4d;  // ln(wavelength), turn
   using Matrix4 = Eigen::Matrix4d;
+  using RowVector6 = Eigen::Matrix<double, 1, 6>;  // by the motion of SensorTable::shared_covariance
 
   /// Of the least-squares problem of some frames.
   struct Sums {
@@ -74,8 +76,10 @@ class Health {
     Matrix4 by_beams = Matrix4::Zero();  // by the beams: the same in every frame
     Vector4 right = Vector4::Zero();     // sum of w a e
     double squares = 0.0;                // of the residuals over their sigmas
+    Eigen::Matrix<double, 4, 6> by_motion = Eigen::Matrix<double, 4, 6>::Zero();  // of `right`, that beams share
 
-    void add(const Vector4& by, double off, double of_dot, double of_beam, double frames);
+    void add(const Vector4& by, double off, double of_dot, double of_beam, const RowVector6& off_by_motion,
+             double frames);
     Sums& operator+=(const Sums& other);
   };
 

@@ -24,9 +24,9 @@ struct SensorRange {
   double explained_from_m() const { return 0.5 * nearest_m; }
 };
 
-/// A beam as the device knows it. Its covariance is that of the motion of perturbed(line, .). Beams that the
-/// calibration did not determine are foreseen by the grating's model: they explain dots, so that no other beam does,
-/// and measure nothing.
+/// A beam as the device knows it. Its covariance is that of the motion of perturbed(line, .), with what all beams share
+/// of it. Beams that the calibration did not determine are foreseen by the grating's model: they explain dots, so that no
+/// other beam does, and measure nothing.
 struct TableBeam {
   int row = 0;
   int column = 0;
@@ -35,6 +35,9 @@ struct TableBeam {
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
   Eigen::Vector4d per_wavelength = Eigen::Vector4d::Zero();  ///< motion for each unit of ln(wavelength); 0: not known
 };
+
+/// Beams of a grid that a table holds at most: its lists count them in 16 bits.
+inline constexpr int kMostBeams = 1 << 14;
 
 /// Sigma of ln(wavelength) over that of the calibration while nothing is seen: 15 K of a laser diode.
 inline constexpr double kLogWavelengthSigma = 0.005;
@@ -70,6 +73,9 @@ struct SensorTable {
   double drift_px = 2.0;  ///< by which curves may move, besides with wavelength, before the candidate lists miss some
   RayTable rays;
   LaserGrid grid;
+  /// Of a motion that all beams share, rotation [rad] about the camera's centre and translation [m]: the camera's place
+  /// on the rig may be off. Zero for the first camera, in whose frame the beams were calibrated.
+  Eigen::Matrix<double, 6, 6> shared_covariance = Eigen::Matrix<double, 6, 6>::Zero();
   std::vector<TableBeam> beams;  ///< sorted by row, then column
   CandidateLists candidates;
   std::vector<SelfTest> self_tests;
@@ -77,7 +83,7 @@ struct SensorTable {
 };
 
 /// @param camera  of the calibration; the first one when empty
-/// @throws Error(kBadInput) for a calibration without beams, an unknown camera or a senseless range;
+/// @throws Error(kBadInput) for a calibration without beams or with too many, an unknown camera or a senseless range;
 ///         Error(kNotEnoughData) when the camera sees no beam within the range
 SensorTable sensor_table(const Calibration& calibration, const std::string& camera, const SensorRange& range,
                          const std::string& origin);

@@ -11,7 +11,7 @@
 
 namespace raybundle {
 
-inline constexpr FileKind kTableKind{"RBSLTABL", 1, "structured-light table",
+inline constexpr FileKind kTableKind{"RBSLTABL", 2, "structured-light table",
                                      "raybundle export CALIBRATION --runtime structured-light -o FILE"};
 
 /// The bytes of a table's file. The format: docs/formats/structured_light_table.md.
