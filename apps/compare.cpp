@@ -31,11 +31,14 @@ struct CompareFlags {
 std::vector<std::string> missed_gates(const CompareFlags& flags, const CalibrationComparison& comparison) {
   std::vector<std::string> missed;
   for (const ProjectionDifference& d : comparison.projections) {
+    const std::string lost = lost_text(d);
+    if (flags.max_px > 0.0 && !lost.empty()) missed.push_back(lost + " (--max-px)");
     if (flags.max_px > 0.0 && d.largest_px > flags.max_px) {
       missed.push_back(fmt::format("{} {}: projections differ by up to {:.3f} px, and {:g} px are allowed (--max-px)",
                                    d.camera, range_text(d.range_m), d.largest_px, flags.max_px));
     }
     if (flags.max_sigmas <= 0.0) continue;
+    if (!lost.empty()) missed.push_back(lost + " (--max-sigmas)");
     const double within = share_within(d, flags.max_sigmas);
     if (within >= kLeastShareWithin) continue;
     missed.push_back(fmt::format(

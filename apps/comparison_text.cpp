@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "pose_json.hpp"
@@ -45,6 +46,7 @@ Json json_from_projection(const ProjectionDifference& d) {
           {"agrees", d.agrees()},
           {"share_within", d.share_within},
           {"covered_share", d.covered_share},
+          {"lost_share", d.lost_share},
           {"rms_px", d.rms_px},
           {"largest_px", d.largest_px},
           {"b_from_a", json_from_pose(d.b_from_a)},
@@ -82,6 +84,12 @@ std::string range_text(double range_m) {
   return std::isfinite(range_m) ? fmt::format("at {:g} m", range_m) : std::string("at infinity");
 }
 
+std::string lost_text(const ProjectionDifference& d) {
+  if (d.lost_share == 0.0) return {};
+  return fmt::format("{} {}: one of the lenses sees nothing in {:.0f} % of the image that both saw", d.camera,
+                     range_text(d.range_m), std::max(1.0, 100.0 * d.lost_share));
+}
+
 nlohmann::ordered_json json_from_comparison(const CalibrationComparison& comparison) {
   Json projections = Json::array();
   for (const ProjectionDifference& difference : comparison.projections) {
@@ -107,6 +115,9 @@ std::string comparison_text(const CalibrationComparison& comparison) {
                     fmt::format("{:.0f} %", 100 * d.share_within), d.agrees() ? "agrees" : "DIFFERS"});
   }
   std::string text = text_table(rows);
+  for (const ProjectionDifference& d : comparison.projections) {
+    if (const std::string lost = lost_text(d); !lost.empty()) text += "note: " + lost + "\n";
+  }
   const std::string extrinsics = sigmas_text(comparison.extrinsics, "");
   if (!extrinsics.empty()) text += "extrinsics: " + extrinsics;
   const std::string beams = sigmas_text(comparison.beams, " m");

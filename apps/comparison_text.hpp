@@ -18,4 +18,7 @@ std::string comparison_text(const CalibrationComparison& comparison);
 /// `at 0.5 m`, `at infinity`.
 std::string range_text(double range_m);
 
+/// What one of the lenses does not see, in words; empty: nothing.
+std::string lost_text(const ProjectionDifference& difference);
+
 }  // namespace raybundle::apps

@@ -259,11 +259,9 @@ TEST_F(BadData, ViewsOfABoardWithOtherRowsAndColumnsAreNamedAndLeftOut) {
 
 // A board of three quarters of the size in some frames: to one camera it is as if it were nearer, and nothing is wrong.
 TEST_F(BadData, BoardsOfTwoSizesAreNamed) {
-  SyntheticOptions options;
+  SyntheticOptions options = stereo_head();
   options.noise_px = 0.1;
   options.frames = 12;
-  options.cameras.resize(2);
-  options.cameras[1].camera_from_rig.translation.x() = -0.1;
   CalibrationProblem mixed = synthetic_world(options).problem;
   options.square_m *= 0.75;
   options.frames = 6;
@@ -289,10 +287,8 @@ TEST_F(BadData, RowsAndColumnsExchangedAreNamed) {
 
 // Of one camera among others they cost that camera only.
 TEST_F(BadData, ACameraWithAnotherOrderDoesNotCostTheOthersTheirs) {
-  SyntheticOptions options;
+  SyntheticOptions options = stereo_head();
   options.noise_px = 0.1;
-  options.cameras.resize(2);
-  options.cameras[1].camera_from_rig.translation.x() = -0.1;
   CalibrationProblem problem = synthetic_world(options).problem;
   for (TargetView& view : problem.views) {
     if (view.camera == 0) continue;
@@ -366,8 +362,10 @@ TEST_F(BadData, NoRequirementPassesOnFewViews) {
     write_text(place / "corners.csv", csv_of(world(frames).problem));
     std::vector<std::string> words = arguments("corners.csv");
     words.insert(words.end(), {"--require", "projection 5 px over 40 deg", "--json"});
-    const nlohmann::json report = nlohmann::json::parse(raybundle_program(words).out);
+    const ProgramRun run = raybundle_program(words);
+    const nlohmann::json report = nlohmann::json::parse(run.out);
     EXPECT_EQ(report["verdict"]["grade"], frames == 9 ? "marginal" : "pass") << report["verdict"];
+    EXPECT_EQ(run.exit_code, 0) << run.err;  // a fail alone is 1
   }
 }
 

@@ -3,12 +3,34 @@
 #include <gmock/gmock.h>
 
 #include "program.hpp"
+#include "raybundle/io/calibration_file.hpp"
 
 namespace raybundle::testing {
 namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
+
+// An equidistant fisheye that saw corners all over its image, and whose intrinsics are known to 0.2 px.
+CalibrationFile one_fisheye() {
+  CalibrationFile file;
+  RigCamera one{"one", start_camera(*model_named("kannala_brandt"), {640, 480}, 250.0), {}};
+  one.evidence = CornerEvidence{16, 12, std::vector<int>(16 * 12, 5), Eigen::MatrixXd::Zero(6, 8)};
+  file.calibration.cameras = {one};
+  file.calibration.covariance = {{"one.fx", "one.fy", "one.cx", "one.cy"}, 0.04 * Eigen::Matrix4d::Identity()};
+  return file;
+}
+
+// Runs compare on one_fisheye() and one of other parameters.
+ProgramRun compared_with(const Eigen::VectorXd& parameters, std::vector<std::string> flags) {
+  const fs::path place = fresh_folder();
+  CalibrationFile other = one_fisheye();
+  other.calibration.cameras[0].camera.parameters = parameters;
+  write_calibration(place / "a.json", one_fisheye());
+  write_calibration(place / "b.json", other);
+  flags.insert(flags.begin(), {"compare", (place / "a.json").string(), (place / "b.json").string()});
+  return raybundle_program(flags);
+}
 
 const char* kFolder = "opencv_stereo_chess";
 
@@ -55,6 +77,36 @@ TEST(Compares, HalvesOfAnUnsynchronisedRigWithoutBlamingTheLens) {
                  "--cross-validate"});
   const nlohmann::json& found = report.at("cross_validation");
   EXPECT_NE(found.at("verdict"), "model_error") << found.at("words");
+}
+
+TEST(Compares, GatesMissALensThatHasChanged) {
+  Eigen::VectorXd parameters = one_fisheye().calibration.cameras[0].camera.parameters;
+  EXPECT_EQ(compared_with(parameters, {"--max-px", "1e-6", "--max-sigmas", "2"}).exit_code, 0);
+  parameters[0] *= 1.01;  // 3.2 px at the left and the right of the image, where both sigmas of fx make 0.5 px
+  const ProgramRun run = compared_with(parameters, {"--max-px", "2", "--json"});
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  const nlohmann::json json = nlohmann::json::parse(run.out);
+  EXPECT_EQ(json.at("passed"), false);
+  EXPECT_THAT(json.at("missed").at(0).get<std::string>(), HasSubstr("(--max-px)"));
+  EXPECT_EQ(compared_with(parameters, {"--max-px", "4"}).exit_code, 0);
+  const ProgramRun by_sigmas = compared_with(parameters, {"--max-sigmas", "2"});
+  EXPECT_EQ(by_sigmas.exit_code, 1) << by_sigmas.err;
+  EXPECT_THAT(by_sigmas.out, HasSubstr("(--max-sigmas)"));
+  EXPECT_EQ(compared_with(parameters, {"--max-sigmas", "20"}).exit_code, 0);
+}
+
+// It folds 136 px from the middle of the image; what it sees within lies 20 px off at most.
+TEST(Compares, GatesMissALensThatEndsAmidTheCorners) {
+  Eigen::VectorXd parameters = one_fisheye().calibration.cameras[0].camera.parameters;
+  parameters[4] = -0.5;
+  EXPECT_THAT(compared_with(parameters, {}).out, HasSubstr("note: one at infinity: one of the lenses sees nothing in"));
+  for (const char* gate : {"--max-px", "--max-sigmas"}) {
+    const ProgramRun run = compared_with(parameters, {gate, "1000", "--json"});
+    EXPECT_EQ(run.exit_code, 1) << gate << run.err;
+    const nlohmann::json json = nlohmann::json::parse(run.out);
+    EXPECT_EQ(json.at("passed"), false) << gate;
+    EXPECT_GT(json.at("projections").at(0).at("lost_share"), 0.5) << gate;
+  }
 }
 
 TEST(Compares, RefusesWhatIsNoCalibration) {

@@ -279,5 +279,39 @@ TEST(SyntheticSubsets, CamerasAreLinkedThroughAChainOfSharedFrames) {
   EXPECT_LT((camera_from_rig(found, "camera2").translation - truth.translation).norm(), 1e-6);
 }
 
+TEST(Provenance, SaysWhatWasRunOnWhichFilesAndNotWhereTheResultsWent) {
+  SyntheticOptions options;
+  options.frames = 10;
+  options.noise_px = 0.1;
+  const fs::path place = fresh_folder();
+  write_text(place / "corners.csv", csv_of(synthetic_world(options).problem));
+  write_text(place / "board.toml", "[target]\nkind = \"chessboard\"\ncolumns = 9\nrows = 7\nsquare_m = 0.04\n");
+  write_text(place / "gates.toml", "require = [\"rms 1 px\"]\n");
+  const std::string board = (place / "board.toml").string(), gates = (place / "gates.toml").string();
+  const std::string corners = (place / "corners.csv").string(), start = (place / "out/calibration.json").string();
+  const std::vector<std::string> first{"--observations", corners, "--image-size", "camera0=1280x960",
+                                       "--target",       board,   "--model",      "kannala_brandt"};
+  calibrate(place, first);
+  const std::vector<std::string> again =
+      with(first, {"--start", start, "--fix", "*.k4=0", "--fix", "*.k3=0", "--free", "*.k3", "--prior",
+                   "camera0.cx=640:50", "--no-predicted-corners", "--outlier-sigma", "4", "--gates", gates});
+  calibrate(place / "a", with(again, {"--threads", "1"}));
+  calibrate(place / "b", with(again, {"--threads", "2", "--no-cache"}));
+  EXPECT_EQ(text_of(place / "a/out/calibration.json"), text_of(place / "b/out/calibration.json"));
+
+  const nlohmann::json provenance = json_of(place / "a/out/calibration.json").at("provenance");
+  std::vector<std::string> said, inputs;
+  for (const nlohmann::json& option : provenance.at("options")) {
+    said.push_back(option.at("name").get<std::string>() + " " + option.at("value").get<std::string>());
+  }
+  EXPECT_THAT(said,
+              ::testing::IsSupersetOf({"--target " + board, "--start " + start, std::string("--fix *.k4=0"),
+                                       std::string("--fix *.k3=0"), std::string("--free *.k3"),
+                                       std::string("--prior camera0.cx=640:50"),
+                                       std::string("--no-predicted-corners true"), std::string("outlier_sigma 4")}));
+  for (const nlohmann::json& input : provenance.at("inputs")) inputs.push_back(input.at("path"));
+  EXPECT_THAT(inputs, ::testing::UnorderedElementsAre(corners, start, gates, board));
+}
+
 }  // namespace
 }  // namespace raybundle::testing

@@ -8,10 +8,11 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <fstream>
-#include <iterator>
+#include <map>
 #include <random>
 #include <thread>
+
+#include "text_file.hpp"
 
 namespace raybundle::testing {
 namespace {
@@ -22,11 +23,6 @@ using Seconds = std::chrono::duration<double>;
 
 // Per run to be killed; about one is to be expected where the machine is twice as fast as when it was timed.
 constexpr int kMostFinished = 10;
-
-std::string text_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 // Starts the program with its streams closed off and a cache of its own.
 pid_t start(const KillOptions& options) {
@@ -61,13 +57,12 @@ double seconds_of_whole_run(const KillOptions& options, KillOutcome& outcome) {
 
 // Every text of ours ends in one of these.
 bool looks_whole(const fs::path& file) {
-  const std::string text = text_of(file);
-  const auto last = text.find_last_not_of(" \n");
-  if (last == std::string::npos) return false;
-  return text[last] == '}' || text[last] == ']' || text.compare(last - 6, 7, "</html>") == 0;
+  std::string text = text_of(file);
+  text.erase(text.find_last_not_of(" \n") + 1);
+  return text.ends_with('}') || text.ends_with(']') || text.ends_with("</html>");
 }
 
-using Times = std::map<std::string, fs::file_time_type>;
+using Times = std::map<fs::path, fs::file_time_type>;
 
 Times cache_entries(const KillOptions& options, KillOutcome& outcome) {
   Times entries;
@@ -79,11 +74,31 @@ Times cache_entries(const KillOptions& options, KillOutcome& outcome) {
       ++outcome.temporaries;
       fs::remove(entry.path());
     } else {
-      entries[name] = entry.last_write_time();
+      entries[entry.path()] = entry.last_write_time();
+      if (!looks_whole(entry.path())) outcome.faults.push_back("half a cache entry: " + name);
     }
-    if (!name.ends_with(".tmp") && !looks_whole(entry.path())) outcome.faults.push_back("half a cache entry: " + name);
   }
   return entries;
+}
+
+// What a run has put into an empty cache. Without it nothing that is looked at here could fail.
+Times first_cache_entries(const KillOptions& options, KillOutcome& outcome) {
+  const Times entries = cache_entries(options, outcome);
+  if (entries.empty()) outcome.faults.push_back("a whole run leaves nothing in the cache");
+  return entries;
+}
+
+void check_kept(const Times& before, const Times& after, KillOutcome& outcome) {
+  for (const auto& [entry, time] : before) {
+    const auto same = after.find(entry);
+    if (same == after.end() || same->second != time) {
+      outcome.faults.push_back("detected again: " + entry.filename().string());
+    }
+  }
+}
+
+std::string calibration_of(const KillOptions& options) {
+  return text_of(options.folder / "output" / "calibration.json");
 }
 
 void check_output(const KillOptions& options, const std::string& calibration, KillOutcome& outcome) {
@@ -99,7 +114,7 @@ void check_output(const KillOptions& options, const std::string& calibration, Ki
     }
   }
   if (found != 3) outcome.faults.push_back("the output holds " + std::to_string(found) + " files, not 3");
-  if (text_of(options.folder / "output" / "calibration.json") != calibration) {
+  if (calibration_of(options) != calibration) {
     outcome.faults.push_back("calibration.json is not what the same images gave before");
   }
 }
@@ -111,8 +126,8 @@ KillOutcome kill_at_random(const KillOptions& options) {
   const fs::path cache = options.folder / "cache";
   fs::create_directories(cache);
   outcome.whole_seconds = seconds_of_whole_run(options, outcome);
-  const std::string calibration = text_of(options.folder / "output" / "calibration.json");
-  const std::size_t all = cache_entries(options, outcome).size();
+  const std::string calibration = calibration_of(options);
+  const std::size_t all = first_cache_entries(options, outcome).size();
   const double cached_seconds = seconds_of_whole_run(options, outcome);
 
   std::mt19937 random(options.seed);
@@ -132,13 +147,28 @@ KillOutcome kill_at_random(const KillOptions& options) {
     const bool killed = WIFSIGNALED(wait_for(child));
     ++(killed ? outcome.killed : outcome.finished);
     check_output(options, calibration, outcome);
-    const Times after = cache_entries(options, outcome);
-    for (const auto& [name, time] : before) {
-      const auto same = after.find(name);
-      if (same == after.end() || same->second != time) outcome.faults.push_back("detected again: " + name);
-    }
+    check_kept(before, cache_entries(options, outcome), outcome);
   }
   seconds_of_whole_run(options, outcome);
+  check_output(options, calibration, outcome);
+  return outcome;
+}
+
+KillOutcome resume_from_half_a_cache(const KillOptions& options) {
+  KillOutcome outcome;
+  fs::create_directories(options.folder / "cache");
+  outcome.whole_seconds = seconds_of_whole_run(options, outcome);
+  const std::string calibration = calibration_of(options);
+  const Times all = first_cache_entries(options, outcome);
+  Times kept;
+  for (auto entry = all.begin(); kept.size() < all.size() / 2; ++entry) kept.insert(*entry);
+  for (const auto& [entry, time] : all) {
+    if (!kept.contains(entry)) fs::remove(entry);
+  }
+  seconds_of_whole_run(options, outcome);
+  const Times after = cache_entries(options, outcome);
+  check_kept(kept, after, outcome);
+  if (after.size() != all.size()) outcome.faults.push_back("not every image is in the cache again");
   check_output(options, calibration, outcome);
   return outcome;
 }

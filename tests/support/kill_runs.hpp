@@ -3,7 +3,6 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -33,5 +32,10 @@ struct KillOutcome {
 /// entry of the cache too, none of which a later run may write again. At the end one run is left alone and has to give
 /// the first result again from the cache as it is.
 KillOutcome kill_at_random(const KillOptions& options);
+
+/// Goes on from half a cache as after a kill, with nothing left to chance: runs the program to its end, deletes half of
+/// its cache and runs it again. It may not write again what was kept, has to bring back what was not, and has to give
+/// the same result.
+KillOutcome resume_from_half_a_cache(const KillOptions& options);
 
 }  // namespace raybundle::testing

@@ -4,29 +4,13 @@
 
 #include <cmath>
 #include <optional>
-#include <random>
 #include <stdexcept>
 
+#include "draw.hpp"
 #include "raybundle/geometry/rotation.hpp"
 
 namespace raybundle::testing {
 namespace {
-
-class Draw {
- public:
-  explicit Draw(unsigned seed) : engine_(seed) {}
-  double uniform(double low, double high) { return low + (high - low) * std::generate_canonical<double, 53>(engine_); }
-  double normal() {  // Box and Muller: std::normal_distribution differs between standard libraries
-    return std::sqrt(-2 * std::log(1 - uniform(0, 1))) * std::cos(2 * M_PI * uniform(0, 1));
-  }
-  Eigen::Vector3d direction() {
-    const double z = uniform(-1, 1), azimuth = uniform(0, 2 * M_PI), r = std::sqrt(1 - z * z);
-    return {r * std::cos(azimuth), r * std::sin(azimuth), z};
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 Camera make_camera(const SyntheticCamera& spec) {
   const std::optional<ModelId> model = model_named(spec.model);
@@ -62,6 +46,13 @@ Rigid3 random_camera_from_target(Draw& draw, const SyntheticOptions& options, co
 }
 
 }  // namespace
+
+SyntheticOptions stereo_head() {
+  SyntheticOptions options;
+  options.cameras.resize(2);
+  options.cameras[1].camera_from_rig.translation.x() = -0.1;
+  return options;
+}
 
 Target grid_target(const std::string& name, int columns, int rows, double square_m) {
   Target target;

@@ -39,6 +39,9 @@ struct SyntheticOptions {
   unsigned seed = 1;
 };
 
+/// Two cameras side by side, 0.1 m apart.
+SyntheticOptions stereo_head();
+
 /// A problem whose answer is known.
 struct SyntheticWorld {
   CalibrationProblem problem;

@@ -109,7 +109,8 @@ std::vector<BeamCovariance> marginal_beams(const BlockSystem& system, Workers& w
         half.middleRows<4>(4 * b).setIdentity();
       }
       upper.transpose().solveInPlace(half);
-      covariance.of_beam = own + half.transpose() * half;
+      const Eigen::Matrix4d sum = own + half.transpose() * half;
+      covariance.of_beam = sum.selfadjointView<Eigen::Upper>();  // to the last bit, however products are summed
       covariance.with_parameters = half.bottomRows(parameters).transpose() * of_parameters;
     });
   });

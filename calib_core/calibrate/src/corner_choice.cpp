@@ -65,7 +65,7 @@ bool take_if_better(const CalibrationProblem& single, SolvedState other, const C
   other.summary = solve_without_outliers(single, other.state, options, false, other.reasons);
   if (other.summary.termination == Termination::kFailed || other.state.fates == solved.state.fates) return false;
   if (spoils_lens(single, solved.state, other.state)) return false;
-  const double limit_sigmas = options.outlier_sigma * robust_sigmas(single, other.state)[0];
+  const double limit_sigmas = outlier_limit(options, robust_sigmas(single, other.state)[0]);
   if (!(all_squares(single, other.state, limit_sigmas) < all_squares(single, solved.state, limit_sigmas))) return false;
   solved = std::move(other);
   return true;

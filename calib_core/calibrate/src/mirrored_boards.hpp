@@ -12,7 +12,7 @@ namespace raybundle {
 struct MirroredBoard {
   std::size_t view = 0;
   Rigid3 camera_from_target;
-  double growth = 0.0;  ///< of the view's squares while the camera stays, relative
+  double growth = 0.0;  ///< of the view's squares, each corner by its sigma, while the camera stays; relative
 };
 
 /// Those of a camera's boards that have such a pose.

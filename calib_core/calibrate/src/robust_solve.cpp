@@ -241,10 +241,14 @@ bool is_better(const CalibrationProblem& single, const SolvedState& after, const
   if (spoils_lens(single, before.state, after.state)) return false;
   const Distances here = whitened_distances(single, after.state), there = whitened_distances(single, before.state);
   const double sigma = std::min(sigmas_of(single, after.state, here)[0], sigmas_of(single, before.state, there)[0]);
-  const double limit = options.outlier_sigma * sigma;
+  const double limit = outlier_limit(options, sigma);
   if (!priors_before) priors_before = prior_squares(single, before.state);
   return squares_cut_off(here, limit) + prior_squares(single, after.state) <
          squares_cut_off(there, limit) + *priors_before;
+}
+
+double outlier_limit(const CalibrateOptions& options, double sigma) {
+  return options.outlier_sigma * std::max(sigma, kExactNoise);
 }
 
 double all_squares(const CalibrationProblem& problem, const BundleState& state, double limit_sigmas) {

@@ -33,6 +33,10 @@ struct SolvedState {
 /// Sum of the squared residuals of the priors, of the lens and by rules.
 double prior_squares(const CalibrationProblem& problem, const BundleState& state);
 
+/// Where corners are cut off that count as outliers under a noise [sigmas]: exact ones leave rounding only, and cut off
+/// there they would leave it to the priors alone which state is the better.
+double outlier_limit(const CalibrateOptions& options, double sigma);
+
 /// Sum of the squared distances of all corners [sigmas], each cut off at a limit, and of the priors' residuals.
 double all_squares(const CalibrationProblem& problem, const BundleState& state, double limit_sigmas);
 

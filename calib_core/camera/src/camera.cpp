@@ -83,6 +83,8 @@ std::optional<Eigen::Vector3d> ray_from_pixel(const Camera& camera, const Eigen:
     Eigen::Vector3d ray;
     if (!plane.allFinite()) return std::nullopt;
     if (!M::ray_from_plane(camera.parameters.data() + 4, plane.data(), ray.data())) return std::nullopt;
+    constexpr double kRounding = 1e-9;  // models keep far within; what overflows on the way has no direction
+    if (!(std::abs(ray.squaredNorm() - 1.0) < kRounding)) return std::nullopt;
     return ray;
   });
 }

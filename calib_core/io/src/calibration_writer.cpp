@@ -32,7 +32,7 @@ void check(const Covariance& covariance) {
   }
 }
 
-// A file that cannot be read back is worse than none.
+// What would keep the text from being made.
 void check(const CalibrationFile& file) {
   const Calibration& calibration = file.calibration;
   if (calibration.cameras.empty()) refuse("there is no camera");
@@ -50,9 +50,6 @@ void check(const CalibrationFile& file) {
       refuse("camera " + camera.name + " holds a number that is not finite");
     }
   }
-  if (calibration.laser && !beams_lie_in_grid(*calibration.laser)) {
-    refuse("a laser beam lies outside of the grid");
-  }
 }
 
 bool all_finite(const OrderedJson& json) {
@@ -64,6 +61,15 @@ bool all_finite(const OrderedJson& json) {
 void require_finite(const OrderedJson& json) {
   for (const auto& [section, content] : json.items()) {
     if (!all_finite(content)) refuse("the section '" + section + "' holds a number that is not finite");
+  }
+}
+
+// A file that cannot be read back is worse than none.
+void require_readable(const std::string& text) {
+  try {
+    calibration_from_text(text, "calibration");
+  } catch (const Error& error) {
+    throw Error(ErrorKind::kBadInput, std::string(error.what()) + "; nothing was written");
   }
 }
 
@@ -175,7 +181,9 @@ std::string text_from_calibration(const CalibrationFile& file) {
   }
   if (file.calibration.laser) json["laser"] = json_from_pattern(*file.calibration.laser);
   require_finite(json);
-  return pretty_text(json, {"self_test", "beams"});
+  std::string text = pretty_text(json, {"self_test", "beams"});
+  require_readable(text);
+  return text;
 }
 
 void write_calibration(const std::filesystem::path& path, const CalibrationFile& file) {

@@ -3,7 +3,6 @@
 #include "json_laser.hpp"
 
 #include <Eigen/Eigenvalues>
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -195,12 +194,6 @@ LaserPattern pattern_from(const JsonNode& node) {
     }
   }
   return pattern;
-}
-
-bool beams_lie_in_grid(const LaserPattern& pattern) {
-  return std::ranges::all_of(pattern.beams, [&](const LaserBeam& beam) {
-    return beam.row >= 0 && beam.row < pattern.grid.rows && beam.column >= 0 && beam.column < pattern.grid.columns;
-  });
 }
 
 OrderedJson json_from_laser(const ProblemLaser& laser) {

@@ -14,9 +14,6 @@ namespace raybundle {
 OrderedJson json_from_pattern(const LaserPattern& pattern);
 LaserPattern pattern_from(const JsonNode& node);
 
-/// Whether the grid has the row and column of every beam: others could not be read back.
-bool beams_lie_in_grid(const LaserPattern& pattern);
-
 /// The grid and what fixes the origin of labels: what observations.json holds under `laser`.
 OrderedJson json_from_laser(const ProblemLaser& laser);
 ProblemLaser laser_from(const JsonNode& node);

@@ -119,7 +119,8 @@ double share_within(const ProjectionDifference& difference, double sigmas) {
     ++cells;
     within += distance <= sigmas * difference.sigma_px.data()[i];
   }
-  return cells > 0 ? static_cast<double>(within) / cells : 1.0;
+  const double of_entries = cells > 0 ? static_cast<double>(within) / cells : 1.0;
+  return of_entries * (1.0 - difference.lost_share);
 }
 
 bool CalibrationComparison::agrees() const { return std::ranges::all_of(projections, &ProjectionDifference::agrees); }

@@ -90,8 +90,8 @@ std::optional<Finding> square_finding(const RigCamera& camera, const Calibration
                  fmt::format("fx is {:.2f} % {} than fy, {:.1f} sigmas", 100 * std::abs(stretch),
                              stretch > 0 ? "more" : "less", sigmas),
                  good ? ""
-                      : "few sensors have such pixels: measure the printed board in both directions, and say "
-                        "the spacing of its rows if it differs"};
+                      : "few sensors have such pixels: measure the printed board in both directions; if they differ, "
+                        "print it again in true scale, or say row_step_m where it is one of asymmetric circles"};
 }
 
 Finding tilt_finding(const CameraCoverage& seen) {

@@ -74,13 +74,14 @@ std::optional<Covariance> covariance_by_frame(const ReducedInformation& all,
   middle += variance_factor * plain;
   if (repeated) middle += variance_factor * positive_part(in_coordinates(*repeated));
 
-  // L⁻ᵀ middle L⁻¹, then out of the scaled columns.
-  Eigen::MatrixXd half = middle;
+  // L⁻ᵀ middle L⁻¹ as the square of a half, so that rounding leaves no negative variance; then out of the scaled columns.
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(middle);
+  Eigen::MatrixXd half = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
   lower.transpose().solveInPlace(half);
-  half.transposeInPlace();
-  lower.transpose().solveInPlace(half);
-  const Eigen::MatrixXd matrix = scale.asDiagonal() * half * scale.asDiagonal();
-  return Covariance{all.names, 0.5 * (matrix + matrix.transpose())};
+  half = scale.asDiagonal() * half;
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(size, size);
+  matrix.selfadjointView<Eigen::Lower>().rankUpdate(half);
+  return Covariance{all.names, matrix.selfadjointView<Eigen::Lower>()};
 }
 
 std::vector<FrameScatter> frame_scatter(const Covariance& plain, const Covariance& by_frame) {

@@ -93,7 +93,7 @@ std::vector<HeldOutDot> explain_dots(const Calibration& calibration, const Calib
     const BoardShape& shape = board.shape;
     const BoardSurface surface(board.target);
     const std::vector<Prediction> all = predictions(*calibration.laser, camera, surface, shape, *rig_from_target[v]);
-    const bool faces = ((camera.camera_from_rig * *rig_from_target[v]).rotation * Eigen::Vector3d::UnitZ()).z() < 0.0;
+    const bool faces = (camera.camera_from_rig * *rig_from_target[v]).inverse().translation.z() > 0.0;
     for (std::size_t i = 0; i < view.dots.size(); ++i) {
       const Prediction* prediction = nearest(all, view.dots[i].pixel, tolerance_px);
       if (prediction == nullptr) continue;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "motion_fit.hpp"
 #include "raybundle/geometry/error.hpp"
@@ -137,9 +139,24 @@ void summarize(ProjectionDifference& difference) {
     difference.largest_px = std::max(difference.largest_px, distance);
   }
   difference.covered_share = static_cast<double>(cells) / static_cast<double>(difference.u_px.size());
-  if (cells == 0) return;
-  difference.rms_px = std::sqrt(squares / cells);
   difference.share_within = share_within(difference, kMostSummedSigmas);
+  if (cells > 0) difference.rms_px = std::sqrt(squares / cells);
+}
+
+// A lens may end within the cell of evidence that holds its outermost corner, but not before it.
+double lost_share(const RigCamera& a, const RigCamera& b, const ProjectionDifference& difference) {
+  const auto rows = static_cast<int>(difference.u_px.rows()), columns = static_cast<int>(difference.u_px.cols());
+  std::map<int, bool> compared;  // anything of a cell of a's evidence
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const Eigen::Vector2d pixel = middle_of_cell(a.camera.size, rows, columns, row, column);
+      if (!a.evidence->covers(a.camera.size, pixel) || !b.evidence->covers(b.camera.size, pixel)) continue;
+      if (!ray_from_pixel(a.camera, pixel) && !ray_from_pixel(b.camera, pixel)) continue;
+      compared[*a.evidence->cell(a.camera.size, pixel)] |= std::isfinite(difference.u_px(row, column));
+    }
+  }
+  const auto lost = std::ranges::count(compared, false, &std::pair<const int, bool>::second);
+  return compared.empty() ? 0.0 : static_cast<double>(lost) / static_cast<double>(compared.size());
 }
 
 // The map of a's cells; sigmas are filled in later.
@@ -184,6 +201,7 @@ ProjectionDifference projection_difference(const RigCamera& camera_a, const Cova
     difference.sigma_px(cell.row, cell.column) =
         sigma_at(fitted_a, cell.pixel, range_m) + sigma_at(fitted_b, cell.pixel, range_m);
   }
+  difference.lost_share = lost_share(a, b, difference);
   summarize(difference);
   return difference;
 }

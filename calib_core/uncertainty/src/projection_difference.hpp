@@ -25,7 +25,7 @@ ProjectionDifference projection_difference(const RigCamera& camera_a, const Cova
                                            int columns);
 
 /// The same, at infinity, of a camera and a lens of any kind that was solved for from the same corners. The lens is
-/// taken to be as uncertain as the camera.
+/// taken to be as uncertain as the camera. Where it sees nothing, it has no opinion: no cell is lost.
 ProjectionDifference projection_difference(const RigCamera& a, const Covariance& covariance_a, const Lens& b,
                                            int columns);
 

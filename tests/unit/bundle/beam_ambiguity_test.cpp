@@ -85,6 +85,7 @@ TEST(BeamAmbiguity, BestTurnIsBetterThanNoTurn) {
   const LaserPattern pattern = pattern_turned(0.0, 7, 7);
   const TurnedPattern best = best_turn(camera, pattern, 2.0);
   EXPECT_GT(std::abs(best.turn_rad), 0.1);
+  EXPECT_GT(best.single_candidate_share, beam_ambiguity(camera, pattern, 2.0).single_candidate_share);
   EXPECT_NEAR(best.single_candidate_share,
               beam_ambiguity(camera, pattern_turned(best.turn_rad, 7, 7), 2.0).single_candidate_share, 1e-12);
 }

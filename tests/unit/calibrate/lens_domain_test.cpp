@@ -12,9 +12,12 @@
 #include "raybundle/calibrate/calibrate.hpp"
 #include "raybundle/calibrate/lens_prior.hpp"
 #include "synthetic_world.hpp"
+#include "true_state.hpp"
 
 namespace raybundle {
 namespace {
+
+using testing::true_state;
 
 constexpr double kAbove = 0.3, kBelow = 0.5;  // the lens is (1 + 0.3 r²) / (1 + 0.5 r²)
 
@@ -41,12 +44,6 @@ Camera with_pole(Camera camera, double v) {
   camera.parameters[10] = 1 / (v * v) - 2 * kBelow / v;
   camera.parameters[11] = kBelow / (v * v);
   return camera;
-}
-
-BundleState true_state(const testing::SyntheticWorld& world) {
-  BundleState state{world.cameras, world.camera_from_rig, world.poses, world.shapes, world.pose_of_view, {}};
-  mark_projectable(world.problem, state);
-  return state;
 }
 
 BundleSummary solve(const CalibrationProblem& problem, BundleState& state) { return solve_bundle(problem, state); }

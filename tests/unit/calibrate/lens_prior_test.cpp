@@ -14,9 +14,12 @@
 #include "raybundle/bundle/parameters.hpp"
 #include "raybundle/calibrate/calibrate.hpp"
 #include "synthetic_world.hpp"
+#include "true_state.hpp"
 
 namespace raybundle {
 namespace {
+
+using testing::true_state;
 
 // A rational lens with 70 degrees across, before 20 boards.
 testing::SyntheticWorld world_of(double noise_px) {
@@ -32,12 +35,6 @@ testing::SyntheticWorld world_of(double noise_px) {
   options.cameras[0].model = "rational";
   options.cameras[0].focal_px = 910.0;
   return testing::synthetic_world(options);
-}
-
-BundleState true_state(const testing::SyntheticWorld& world) {
-  BundleState state{world.cameras, world.camera_from_rig, world.poses, world.shapes, world.pose_of_view, {}};
-  mark_projectable(world.problem, state);
-  return state;
 }
 
 Parameter parameter_named(const CalibrationProblem& problem, const std::string& name) {

@@ -160,20 +160,6 @@ constexpr std::array kHoldingNames{"ordinary", "near", "far", "steep", "rim", "p
 
 }  // namespace
 
-double Draw::uniform(double low, double high) {
-  return low + (high - low) * std::generate_canonical<double, 53>(engine_);
-}
-
-double Draw::log_uniform(double low, double high) { return std::exp(uniform(std::log(low), std::log(high))); }
-
-double Draw::normal(double sigma) {  // Box and Muller: std::normal_distribution differs between standard libraries
-  return sigma * std::sqrt(-2 * std::log(1 - uniform(0, 1))) * std::cos(2 * M_PI * uniform(0, 1));
-}
-
-int Draw::integer(int low, int high) {
-  return std::min(high, low + static_cast<int>(uniform(0, 1) * (high - low + 1)));
-}
-
 RandomRig random_rig(ModelId model, std::uint64_t seed) {
   Draw draw(0x9E3779B97F4A7C15u * (seed + 1) + static_cast<std::uint64_t>(model.index));
   RandomRig rig;

@@ -3,33 +3,14 @@
 #pragma once
 
 #include <cstdint>
-#include <random>
 #include <string>
 #include <vector>
 
+#include "draw.hpp"
 #include "raybundle/bundle/bundle.hpp"
 #include "raybundle/scene/problem.hpp"
 
 namespace raybundle::testing {
-
-/// Numbers that depend on the seed alone, whatever the standard library.
-class Draw {
- public:
-  explicit Draw(std::uint64_t seed) : engine_(seed) {}
-  double uniform(double low, double high);
-  double log_uniform(double low, double high);
-  double normal(double sigma);
-  bool chance(double probability) { return uniform(0, 1) < probability; }
-  int integer(int low, int high);  ///< both included
-
-  template <typename Container>
-  const auto& pick(const Container& container) {
-    return container[static_cast<std::size_t>(integer(0, static_cast<int>(container.size()) - 1))];
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 /// How the boards of a rig are held.
 enum class Holding { kOrdinary, kNear, kFar, kSteep, kRim, kParallel, kFewViews, kAlike };

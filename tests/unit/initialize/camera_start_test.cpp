@@ -6,29 +6,20 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
+#include "draw.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "synthetic_world.hpp"
 
 namespace raybundle {
 namespace {
 
+using testing::Draw;
 using ::testing::HasSubstr;
 using testing::synthetic_world;
 using testing::SyntheticCamera;
 using testing::SyntheticOptions;
 using testing::SyntheticWorld;
-
-class Draw {
- public:
-  explicit Draw(unsigned seed) : engine_(seed) {}
-  double uniform(double low, double high) { return low + (high - low) * std::generate_canonical<double, 53>(engine_); }
-  bool coin() { return uniform(0, 1) < 0.5; }
-
- private:
-  std::mt19937 engine_;
-};
 
 /// Any lens of a model: 40° to as wide as its example goes, the principal point up to 10 % of the width off, pixels up
 /// to 5 % from square, 5 to 60 views near and far, noise up to half a pixel, up to 20 % wrong corners.
@@ -37,7 +28,7 @@ SyntheticOptions random_options(std::string_view model, unsigned seed) {
   SyntheticOptions options;
   SyntheticCamera& camera = options.cameras[0];
   camera.model = model;
-  camera.size = draw.coin() ? ImageSize{1280, 960} : ImageSize{640, 480};
+  camera.size = draw.chance(0.5) ? ImageSize{1280, 960} : ImageSize{640, 480};
   double half_angle = 0.0;
   with_model(*model_named(model), [&]<CameraModel M>() {
     const auto& example = M::kExamples[static_cast<std::size_t>(draw.uniform(0, M::kExamples.size() - 1e-9))];
@@ -50,12 +41,12 @@ SyntheticOptions random_options(std::string_view model, unsigned seed) {
     const double circle = half_angle > 1.0 ? draw.uniform(0.7, 1.0) : 1.0;  // the image circle may end inside the image
     camera.focal_px = circle * 0.5 * camera.size.width / plane[0];
   });
-  camera.aspect = draw.coin() ? 1.0 : draw.uniform(0.95, 1.05);
-  const double off = (draw.coin() ? 0.01 : 0.1) * camera.size.width;
+  camera.aspect = draw.chance(0.5) ? 1.0 : draw.uniform(0.95, 1.05);
+  const double off = (draw.chance(0.5) ? 0.01 : 0.1) * camera.size.width;
   camera.centre_offset_px = {draw.uniform(-off, off), draw.uniform(-off, off)};
   options.frames = static_cast<int>(draw.uniform(5, 61));
   options.noise_px = draw.uniform(0, 0.5);
-  options.outlier_fraction = draw.coin() ? 0.0 : draw.uniform(0, 0.2);
+  options.outlier_fraction = draw.chance(0.5) ? 0.0 : draw.uniform(0, 0.2);
   const double filling = 0.19 / std::tan(std::min(half_angle, 1.2));  // distance at which the board fills the image
   options.min_distance_m = std::max(0.2, filling * draw.uniform(0.6, 1.5));
   options.max_distance_m = options.min_distance_m * draw.uniform(1.2, 3.0);

@@ -5,32 +5,21 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
+#include "draw.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "raybundle/geometry/rotation.hpp"
 
 namespace raybundle {
 namespace {
 
+using testing::Draw;
+
 /// A board or a point cloud in a random place around the camera, seen exactly or not.
 struct Scene {
   std::vector<Eigen::Vector3d> points;
   std::vector<Eigen::Vector3d> rays;
   Rigid3 truth;
-};
-
-class Draw {
- public:
-  explicit Draw(unsigned seed) : engine_(seed) {}
-  double uniform(double low, double high) { return low + (high - low) * std::generate_canonical<double, 53>(engine_); }
-  Eigen::Vector3d direction() {
-    const double z = uniform(-1, 1), azimuth = uniform(0, 2 * M_PI), r = std::sqrt(1 - z * z);
-    return {r * std::cos(azimuth), r * std::sin(azimuth), z};
-  }
-
- private:
-  std::mt19937 engine_;
 };
 
 /// Points of spread ~0.1 m at 0.3 to 2 m, anywhere on the sphere.

@@ -131,6 +131,27 @@ TEST(CalibrationFile, RefusesToWriteWhatCannotBeReadBack) {
   EXPECT_THAT(message_of([&] { text_from_calibration(file); }), HasSubstr("no name"));
 }
 
+TEST(CalibrationFile, WritesNoBeamThatTheReaderRefuses) {
+  using Change = void (*)(std::vector<LaserBeam>&);
+  const std::pair<Change, const char*> changes[] = {
+      {[](std::vector<LaserBeam>& beams) { beams[0].row = 2; }, "beams[0].row is 2"},
+      {[](std::vector<LaserBeam>& beams) { std::swap(beams[0], beams[1]); }, "beams[1] stands after a beam of"},
+      {[](std::vector<LaserBeam>& beams) { beams[1] = beams[0]; }, "beams[1] stands after a beam of the same"},
+      {[](std::vector<LaserBeam>& beams) { beams[0].line.direction *= 1.01; }, "direction is no unit vector"},
+      {[](std::vector<LaserBeam>& beams) { beams[0].covariance(0, 2) *= 1.0 + 1e-15; }, "is not symmetric"},
+      {[](std::vector<LaserBeam>& beams) { beams[0].covariance(0, 0) = -1e-7; }, "has a negative variance"},
+      {[](std::vector<LaserBeam>& beams) { beams[0].hits = -1; }, "beams[0].hits is -1"}};
+  for (const auto& [change, complaint] : changes) {
+    CalibrationFile file = full_calibration();
+    change(file.calibration.laser->beams);
+    EXPECT_THAT(message_of([&] { text_from_calibration(file); }),
+                ::testing::AllOf(HasSubstr(complaint), HasSubstr("; nothing was written")));
+  }
+  CalibrationFile nearly = full_calibration();
+  nearly.calibration.laser->beams[0].line.direction *= 1.0 + 1e-9;  // which is mended
+  EXPECT_NO_THROW(calibration_from_text(text_from_calibration(nearly), "c.json"));
+}
+
 TEST(CalibrationFile, AShortQuaternionIsMended) {
   CalibrationFile file = full_calibration();
   file.calibration.cameras.resize(1);

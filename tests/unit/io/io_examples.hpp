@@ -90,9 +90,7 @@ inline CalibrationFile full_calibration() {
 
 /// Two cameras, two boards, a few views.
 inline ObservationsFile small_observations() {
-  SyntheticOptions options;
-  options.cameras.resize(2);
-  options.cameras[1].camera_from_rig.translation = {-0.1, 0, 0};
+  SyntheticOptions options = stereo_head();
   options.columns = 4;
   options.rows = 3;
   options.boards = 2;

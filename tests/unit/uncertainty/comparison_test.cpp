@@ -78,6 +78,22 @@ TEST(Comparison, SeesALensThatHasChanged) {
   EXPECT_FALSE(compare(a, b).agrees());
 }
 
+// A lens that folds at 74 degrees, amid the corners of the other one: what only one of them sees differs, however
+// little is known of either.
+TEST(Comparison, CountsWhatOnlyOneLensSees) {
+  const Calibration a = solved_from_truth(synthetic_world(fisheye_options(1)));
+  EXPECT_EQ(compare(a, a).projections[0].lost_share, 0.0);
+  Calibration b = a;
+  b.cameras[0].camera.parameters.tail<4>() << -0.2, 0.0, 0.0, 0.0;
+  b.covariance.matrix *= 1e12;
+  for (const auto& comparison : {compare(a, b), compare(b, a)}) {
+    const ProjectionDifference& difference = comparison.projections[0];
+    EXPECT_GT(difference.lost_share, 0.1);
+    EXPECT_EQ(difference.share_within, 1.0 - difference.lost_share);
+    EXPECT_FALSE(comparison.agrees());
+  }
+}
+
 // A lens in another model, of which nothing is uncertain: both are held against each other all the same.
 TEST(Comparison, ModelsMayDiffer) {
   const Calibration a = solved_from_truth(synthetic_world(fisheye_options(1)));

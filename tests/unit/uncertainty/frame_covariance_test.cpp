@@ -5,9 +5,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <cmath>
 #include <random>
 
+#include "raybundle/bundle/view_block.hpp"
 #include "uncertainty_worlds.hpp"
 
 namespace raybundle::testing {
@@ -39,20 +42,58 @@ BothCovariances covariances_of(const SyntheticWorld& world, const BundleOptions&
   return {covariance(all).covariance, covariance_by_frame(all, frames).value(), static_cast<int>(frames.size())};
 }
 
-TEST(FrameInformation, OfAllFramesIsTheReducedInformationAndPullsNowhere) {
+// Each frame's by the textbook: JᵀJ and Jᵀr of its views, the pose eliminated by a Schur complement. At the truth,
+// where the noise pulls.
+TEST(FrameInformation, IsTheSchurComplementOfTheFramesRows) {
+  const SyntheticWorld world = synthetic_world(stereo_options(2));
+  const BundleState state = true_state(world);
+  const Eigen::VectorXd scale =
+      reduced_information(world.problem, state).information.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::Index n = scale.size();
+  const std::vector<FrameInformation> frames = information_by_frame(world.problem, state);
+  EXPECT_GT(frames.size(), 15U);
+  for (const FrameInformation& frame : frames) {
+    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(n + 6, n + 6);
+    Eigen::VectorXd pull = Eigen::VectorXd::Zero(n + 6);
+    double chi2 = 0.0;
+    for (const ViewData& view : used_views(world.problem, state)) {
+      if (state.poses[view.pose].frame != frame.frame) continue;
+      ViewBlock block;
+      ASSERT_TRUE(linearize_view(view,
+                                 {state.cameras[view.camera].parameters.data(), state.camera_from_rig[view.camera],
+                                  state.poses[view.pose].rig_from_target},
+                                 {}, block));
+      Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(block.residual.size(), n + 6);
+      jacobian.middleCols(8 * view.camera, 8) = block.wrt_intrinsics;
+      if (view.camera == 1) jacobian.middleCols(16, 6) = block.wrt_camera_from_rig;
+      jacobian.rightCols(6) = block.wrt_rig_from_target;
+      normal += jacobian.transpose() * jacobian;
+      pull += jacobian.transpose() * block.residual;
+      chi2 += block.residual.squaredNorm();
+    }
+    const Eigen::LDLT<Eigen::MatrixXd> of_pose(normal.bottomRightCorner(6, 6));
+    const Eigen::MatrixXd across = normal.topRightCorner(n, 6);
+    const Eigen::MatrixXd information = normal.topLeftCorner(n, n) - across * of_pose.solve(across.transpose());
+    const Eigen::VectorXd gradient = pull.head(n) - across * of_pose.solve(pull.tail(6));
+    // The complement is a difference of numbers 1e4 times as large.
+    const Eigen::MatrixXd difference = scale.asDiagonal() * (frame.information - information) * scale.asDiagonal();
+    EXPECT_LE(difference.cwiseAbs().maxCoeff(), 1e-8);
+    EXPECT_LE(scale.cwiseProduct(frame.gradient - gradient).cwiseAbs().maxCoeff(), 1e-6);
+    EXPECT_NEAR(frame.chi2, chi2, 1e-9 * chi2);
+    EXPECT_EQ(frame.pose_directions, 6);
+  }
+}
+
+// A solve is over when no unknown is off its optimum by more than a thousandth of its sigma.
+TEST(FrameInformation, OfAllFramesPullsNowhereAtTheOptimum) {
   const SyntheticWorld world = synthetic_world(stereo_options(2));
   BundleState state = true_state(world);
   solve_bundle(world.problem, state);
-  const ReducedInformation all = reduced_information(world.problem, state);
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(all.information.rows(), all.information.cols());
-  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(all.information.rows());
-  for (const FrameInformation& frame : information_by_frame(world.problem, state)) {
-    sum += frame.information;
-    gradient += frame.gradient;
-  }
-  const Eigen::VectorXd scale = all.information.diagonal().cwiseSqrt().cwiseInverse();
-  EXPECT_LT((scale.asDiagonal() * (sum - all.information) * scale.asDiagonal()).cwiseAbs().maxCoeff(), 1e-12);
-  EXPECT_LT((scale.asDiagonal() * gradient).cwiseAbs().maxCoeff(), 1e-2);  // of a sigma: as far as a solve converges
+  const Eigen::MatrixXd covariance = reduced_information(world.problem, state).information.inverse();
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(covariance.rows());
+  for (const FrameInformation& frame : information_by_frame(world.problem, state)) gradient += frame.gradient;
+  const Eigen::ArrayXd off_sigmas = (covariance * gradient).array() / covariance.diagonal().array().sqrt();
+  EXPECT_LT(off_sigmas.abs().maxCoeff(), 1e-3);
 }
 
 // With independent corners the variances by frame have the plain ones as their expectation. A variance of one

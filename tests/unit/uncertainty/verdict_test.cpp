@@ -24,9 +24,7 @@ using testing::synthetic_world;
 using testing::SyntheticOptions;
 
 SyntheticOptions stereo() {
-  SyntheticOptions options;
-  options.cameras.resize(2);
-  options.cameras[1].camera_from_rig.translation = {-0.1, 0.0, 0.0};
+  SyntheticOptions options = testing::stereo_head();
   options.frames = 24;
   options.noise_px = 0.1;
   return options;

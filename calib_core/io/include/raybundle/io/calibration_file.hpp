@@ -29,7 +29,8 @@ CalibrationFile calibration_file(const CalibrationProblem& problem, const Calibr
 
 /// The text of calibration.json. Every number is written with the digits that bring back the same bits.
 ///
-/// @throws Error(kBadInput) when a number is not finite, or sizes do not agree; nothing is made up
+/// @throws Error(kBadInput) when a number is not finite, sizes do not agree, or the text could not be read back, as of
+///         beams that are not sorted; nothing is made up
 std::string text_from_calibration(const CalibrationFile& file);
 
 /// Reads the text back and replays its self-test: the pixels that the writer computed must come out again.

@@ -17,7 +17,7 @@ struct Provenance {
   };
   std::string command;  ///< what was run
   std::vector<Input> inputs;
-  std::vector<std::pair<std::string, std::string>> options;   ///< name, value; every option, defaults too
+  std::vector<std::pair<std::string, std::string>> options;   ///< name, value; defaults too, and --flags as given
   std::vector<std::pair<std::string, std::string>> versions;  ///< program or library, version
 };
 

@@ -32,14 +32,16 @@ struct ProjectionDifference {
   Eigen::MatrixXd sigma_px;    ///< sum of both sigmas of it: of a's and b's projections, largest direction
   Rigid3 b_from_a;             ///< motion of the surroundings that was taken out; at infinity a rotation only
   double covered_share = 0.0;  ///< of the cells of the image, those with an entry
+  double lost_share = 0.0;     ///< of CornerEvidence's cells that both saw, those in which only one of the lenses sees
   double rms_px = 0.0;
   double largest_px = 0.0;
-  double share_within = 1.0;  ///< of these cells, those that differ by at most kMostSummedSigmas
+  double share_within = 1.0;  ///< as share_within() of kMostSummedSigmas
 
   bool agrees() const { return share_within >= kLeastShareWithin; }
 };
 
-/// Of the cells with an entry, those that differ by at most so many summed sigmas; 1 without any.
+/// Of the cells with an entry, those that differ by at most so many summed sigmas; 1 without any. What is lost is taken
+/// for differing by more.
 double share_within(const ProjectionDifference& difference, double sigmas);
 
 /// A difference of one parameter, or of several that belong together, over the sigma of both.

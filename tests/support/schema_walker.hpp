@@ -49,7 +49,8 @@ class SchemaWalker {
   static bool is_type(const Json& value, const std::string& type) {
     return (type == "object" && value.is_object()) || (type == "array" && value.is_array()) ||
            (type == "string" && value.is_string()) || (type == "number" && value.is_number()) ||
-           (type == "integer" && value.is_number_integer()) || (type == "null" && value.is_null());
+           (type == "integer" && value.is_number_integer()) || (type == "boolean" && value.is_boolean()) ||
+           (type == "null" && value.is_null());
   }
 
   void walk(const Json& schema, const Json& value, const std::string& path, std::vector<std::string>& found) const {
@@ -64,7 +65,9 @@ class SchemaWalker {
 
   bool holds(const Json& schema, const std::string& keyword, const Json& wanted, const Json& value,
              const std::string& path, std::vector<std::string>& found) const {
-    if (keyword == "$schema" || keyword == "title" || keyword == "description" || keyword == "$defs") return true;
+    for (const char* told : {"$schema", "title", "description", "$defs", "contentEncoding", "contentMediaType"}) {
+      if (keyword == told) return true;
+    }
     if (keyword == "$ref") {
       walk(root_.at(Json::json_pointer(wanted.get<std::string>().substr(1))), value, path, found);
       return true;
