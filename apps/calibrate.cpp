@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <set>
 
 #include "calibrate_job.hpp"
 #include "verbs.hpp"
@@ -19,9 +20,28 @@ void add_rules(ParameterRule::Kind kind, const std::vector<std::string>& flags, 
   for (const std::string& flag : flags) rules.push_back(rule_from_flag(kind, flag));
 }
 
+// What was asked for by flags, for the provenance. Where results go, in which form, and how fast they are there is left
+// out: equal inputs give equal bytes.
+std::vector<std::pair<std::string, std::string>> flags_given_to(const CLI::App& verb) {
+  static const std::set<std::string> kWithoutEffect{"--output", "--json", "--threads", "--no-cache"};
+  std::vector<std::pair<std::string, std::string>> given;
+  for (const CLI::Option* option : verb.get_options()) {
+    const std::string name = option->get_name();
+    if (option->count() == 0 || kWithoutEffect.contains(name)) continue;
+    if (option->get_items_expected_max() == 0) {
+      const bool negated = !option->get_fnames().empty();  // --no-...
+      given.emplace_back(name, option->as<bool>() != negated ? "true" : "false");
+      continue;
+    }
+    for (const std::string& value : option->results()) given.emplace_back(name, value);
+  }
+  return given;
+}
+
 void declare(CLI::App& verb, CalibrateFlags& flags) {
   CalibrateJob& job = flags.job;
   add_input_flags(verb, job.input);
+  add_model_flags(verb, job.input);
   verb.add_option("-o,--output", job.output, "folder for calibration.json, report.json and report.html")
       ->type_name("DIR")
       ->capture_default_str();
@@ -65,12 +85,13 @@ void add_calibrate_verb(CLI::App& app) {
       "--model brown_conrady -o out\n"
       "The same from a file: raybundle calibrate dataset.toml -o out\n"
       "With a demand:        ... --require 'depth 20 mm at 1 m' --require 'projection 0.2 px over 60 deg'");
-  verb->callback([flags] {
+  verb->callback([flags, verb] {
     CalibrateJob& job = flags->job;
     add_rules(ParameterRule::Kind::kFixed, flags->fix, job.rules);
     add_rules(ParameterRule::Kind::kFree, flags->free, job.rules);
     add_rules(ParameterRule::Kind::kPrior, flags->prior, job.rules);
     job.command = "raybundle calibrate";
+    job.flags_given = flags_given_to(*verb);
     run_calibration(job);
   });
 }

@@ -136,7 +136,20 @@ CalibrationResult calibrate_explained(const CalibrationProblem& problem, const C
   throw Error(error.kind(), most ? left_out + "; for the rest, " + error.what() : error.what() + ("; " + left_out));
 }
 
-Provenance provenance_of(const CalibrateJob& job, const std::optional<SurveyInput>& survey,
+// What went in beside the images.
+std::vector<std::string> files_of(const CalibrateJob& job, const Dataset& dataset,
+                                  const std::optional<SurveyInput>& survey) {
+  std::vector<std::string> files{job.input.dataset, job.input.observations, job.start, job.gates.file};
+  if (job.input.target.ends_with(".toml")) files.push_back(job.input.target);
+  for (const DatasetBoard& board : dataset.boards) {
+    if (const auto* set = std::get_if<PointSet>(&board.board)) files.push_back(set->file);
+  }
+  if (survey) files.insert(files.end(), {survey->landmarks, survey->sightings});
+  std::erase(files, "");
+  return files;
+}
+
+Provenance provenance_of(const CalibrateJob& job, const std::vector<std::string>& named,
                          const CalibrateOptions& options, const DetectedImages& images) {
   Provenance provenance;
   provenance.command = job.command;
@@ -145,15 +158,8 @@ Provenance provenance_of(const CalibrateJob& job, const std::optional<SurveyInpu
     if (name == "threads") return;  // the result does not depend on them, and its file is to be the same byte by byte
     provenance.options.emplace_back(name, fmt::format("{}", value));
   });
-  if (!job.input.dataset.empty()) provenance.inputs.push_back({job.input.dataset, sha256_of_file(job.input.dataset)});
-  if (!job.input.observations.empty()) {
-    provenance.inputs.push_back({job.input.observations, sha256_of_file(job.input.observations)});
-  }
-  if (survey) {
-    for (const std::string& path : {survey->landmarks, survey->sightings}) {
-      provenance.inputs.push_back({path, sha256_of_file(path)});
-    }
-  }
+  std::ranges::copy(job.flags_given, std::back_inserter(provenance.options));
+  for (const std::string& path : named) provenance.inputs.push_back({path, sha256_of_file(path)});
   std::vector<ImageFile> files = images.files;
   std::ranges::copy(images.laser_files, std::back_inserter(files));
   std::erase_if(files, [](const ImageFile& file) { return access(file.path.c_str(), R_OK) != 0; });  // told as left out
@@ -294,13 +300,14 @@ void run_calibration(const CalibrateJob& job) {
   Judgements judgements;
   ReportExtra extra{images.unused, {}, {}};
   ReportSection pictures;
+  const std::vector<std::string> named = files_of(job, dataset, survey);
   const std::function<void()> parts[] = {// each with work that cannot be shared: beside each other they fill it
                                          [&] {
                                            judgements = judge(problem, result, requirements, options.threads);
                                            extra.sections = sections_of(judgements, result);
                                          },
                                          [&] { pictures = pictures_section(problem, result, options.threads); },
-                                         [&] { extra.provenance = provenance_of(job, survey, options, images); }};
+                                         [&] { extra.provenance = provenance_of(job, named, options, images); }};
   for_each_index(std::size(parts), options.threads, [&](std::size_t i) { parts[i](); });
   extra.sections.push_back(std::move(pictures));
   if (result.survey) extra.sections.push_back({"survey", json_from_survey(*result.survey).dump()});

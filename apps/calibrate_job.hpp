@@ -4,6 +4,8 @@
 
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "extra_checks.hpp"
 #include "gates.hpp"
@@ -28,6 +30,9 @@ struct CalibrateJob {
   bool json = false;
   std::string command;  ///< for the provenance
   std::string next;     ///< command to try next; empty: how to test the calibration on other images
+
+  /// For the provenance: the flags that the results depend on, with their values.
+  std::vector<std::pair<std::string, std::string>> flags_given;
 };
 
 /// From images or observations to calibration.json, report.json and report.html, with a summary on stdout.

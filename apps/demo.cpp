@@ -53,7 +53,7 @@ void add_demo_verb(CLI::App& app) {
       ->type_name("DIR")
       ->capture_default_str();
   verb->add_option("-o,--output", flags->output, "folder to write")->type_name("DIR")->capture_default_str();
-  verb->footer("Example:\n  raybundle demo --images build/demo/opencv-doc/examples/data -o build/demo/result");
+  verb->footer("Example:\n  raybundle demo --images build/demo/images -o build/demo/result");
   verb->callback([flags, &app] { run(*flags, app.get_name()); });
 }
 

@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <memory>
 
 #include "input_flags.hpp"
 #include "output_folder.hpp"
-#include "raybundle/geometry/error.hpp"
+#include "raybundle/scene/atomic_file.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 
@@ -16,6 +17,7 @@ namespace {
 struct DetectFlags {
   InputFlags input;
   std::string output = "observations.json";
+  bool json = false;
 };
 
 std::string found_table(const DetectedImages& images) {
@@ -41,13 +43,18 @@ void run(const DetectFlags& flags) {
   require_writable_file(flags.output, "-o");
   const DetectedImages images = observe(flags.input, dataset_of(flags.input, false));
   require_views(images);
-  write_observations(flags.output, images.observations);
+  const std::string text = text_from_observations(images.observations);
+  write_file_whole(flags.output, text);
   for (const std::string& hint : images.hints) say_warning(hint);
   constexpr std::size_t kMostLines = 8;
   for (std::size_t i = 0; i < std::min(images.unused.size(), kMostLines); ++i) {
     say(images.unused[i].image + ": " + images.unused[i].reason);
   }
   if (images.unused.size() > kMostLines) say(fmt::format("and {} more", images.unused.size() - kMostLines));
+  if (flags.json) {
+    std::puts(text.c_str());
+    return;
+  }
   fmt::print("{}", found_table(images));
   const auto& models = images.observations.models;
   const bool modelled =
@@ -62,7 +69,9 @@ void add_detect_verb(CLI::App& app) {
   auto flags = std::make_shared<DetectFlags>();
   CLI::App* verb = app.add_subcommand("detect", "images -> observations.json: where each corner of the board is");
   add_input_flags(*verb, flags->input);
+  add_model_flags(*verb, flags->input);
   verb->add_option("-o,--output", flags->output, "file to write")->type_name("FILE")->capture_default_str();
+  verb->add_flag("--json", flags->json, "print observations.json instead of the summary");
   verb->footer(
       "Example:\n"
       "  raybundle detect --target chessboard:9x6:25mm --camera left='left*.jpg' -o observations.json");

@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "detection_cache.hpp"
 
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -17,9 +19,12 @@
 namespace raybundle::apps {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr int kDetectorVersion = 10;  // raise it with every change of what a detector returns
 
 using Json = nlohmann::json;
+using Days = std::chrono::days;
 
 Json json_from(const Detection& detection) {
   Json points = Json::array();
@@ -50,8 +55,25 @@ Detection detection_from(const Json& json, const Target& target) {
   return detection;
 }
 
-std::filesystem::path entry_path(const std::string& key) {
-  return std::filesystem::path(cache_folder()) / (key + ".json");
+fs::path entry_path(const std::string& key) { return fs::path(cache_folder()) / (key + ".json"); }
+
+// Since it was written or used: an entry's time says when, to a day.
+auto time_unused(const fs::path& entry) {
+  std::error_code gone;  // its time is then long ago
+  return fs::file_time_type::clock::now() - fs::last_write_time(entry, gone);
+}
+
+void note_use(const fs::path& entry) {
+  std::error_code ignored;
+  if (time_unused(entry) > Days(1)) fs::last_write_time(entry, fs::file_time_type::clock::now(), ignored);
+}
+
+// Whatever lies in the folder: what killed runs did not finish, too.
+void delete_unused() {
+  std::error_code failed, ignored;
+  for (fs::directory_iterator entry(cache_folder(), failed), end; !failed && entry != end; entry.increment(failed)) {
+    if (time_unused(entry->path()) > Days(kDaysInCache)) fs::remove(entry->path(), ignored);
+  }
 }
 
 }  // namespace
@@ -65,9 +87,9 @@ std::string cache_key(const std::string& file_sha256, const std::vector<Board>& 
 std::string cache_folder() {
   const char* cache = std::getenv("XDG_CACHE_HOME");
   const char* home = std::getenv("HOME");
-  const std::filesystem::path base = cache != nullptr && *cache != '\0' ? std::filesystem::path(cache)
-                                     : home != nullptr                  ? std::filesystem::path(home) / ".cache"
-                                                                        : std::filesystem::temp_directory_path();
+  const fs::path base = cache != nullptr && *cache != '\0' ? fs::path(cache)
+                        : home != nullptr                  ? fs::path(home) / ".cache"
+                                                           : fs::temp_directory_path();
   return (base / "raybundle" / "detections").string();
 }
 
@@ -94,6 +116,7 @@ std::optional<std::vector<CachedFrame>> read_cached(const std::string& key, cons
   std::ifstream file(entry_path(key), std::ios::binary);
   if (!file) return std::nullopt;
   const std::string text{std::istreambuf_iterator<char>(file), {}};
+  note_use(entry_path(key));
   return cached_from_text(text, boards);
 }
 
@@ -104,8 +127,10 @@ void write_cached(const std::string& key, const std::vector<CachedFrame>& frames
     for (const Detection& detection : frame.boards) boards.push_back(json_from(detection));
     json.push_back({{"frame", frame.frame}, {"width", frame.width}, {"height", frame.height}, {"boards", boards}});
   }
+  static std::once_flag once;  // in a run
+  std::call_once(once, delete_unused);
   std::error_code ignored;
-  std::filesystem::create_directories(cache_folder(), ignored);
+  fs::create_directories(cache_folder(), ignored);
   try {
     write_file_whole(entry_path(key), json.dump(-1, ' ', false, Json::error_handler_t::replace));
   } catch (const Error&) {

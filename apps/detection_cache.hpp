@@ -28,6 +28,8 @@ std::string cache_folder();
 /// The text of a cache entry; nothing when it is damaged, or not of these boards.
 std::optional<std::vector<CachedFrame>> cached_from_text(std::string_view text, const std::vector<Board>& boards);
 
+inline constexpr int kDaysInCache = 90;  ///< without a run that uses it an entry is deleted by the next one that writes
+
 /// The detections under a key; nothing when there are none or the entry is damaged.
 std::optional<std::vector<CachedFrame>> read_cached(const std::string& key, const std::vector<Board>& boards);
 

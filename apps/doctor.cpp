@@ -97,7 +97,8 @@ std::string cache_text() {
     bytes += static_cast<double>(size);
   }
   if (images == 0) return cache_folder() + " (empty)";
-  return fmt::format("{} ({} images, {:.1f} MB; delete the folder to empty it)", cache_folder(), images, bytes / 1e6);
+  return fmt::format("{} ({} images, {:.1f} MB; unused for {} days they are deleted; delete the folder to empty it)",
+                     cache_folder(), images, bytes / 1e6, kDaysInCache);
 }
 
 void run() {
@@ -124,6 +125,7 @@ void run() {
 
 void add_doctor_verb(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("doctor", "what is installed and what is missing");
+  verb->footer("Example:\n  raybundle doctor");
   verb->callback(run);
 }
 

@@ -81,4 +81,12 @@ cv::Mat grey_of_plain_png(std::string_view bytes) {
   return undo_png_filters(rows.get(), image) ? image : cv::Mat();
 }
 
+bool is_sound_png(std::string_view bytes) {
+  std::string_view rest = bytes.substr(kSignature);
+  while (const auto chunk = next_chunk(rest)) {
+    if (chunk->type == "IEND") return true;
+  }
+  return false;
+}
+
 }  // namespace raybundle::apps

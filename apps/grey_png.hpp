@@ -13,4 +13,8 @@ namespace raybundle::apps {
 /// @return  empty for every other PNG and for a damaged one: libpng reads it, or says what is wrong
 cv::Mat grey_of_plain_png(std::string_view bytes);
 
+/// Whether the chunks that make up the image of a PNG are all there with the checksums that they should have: no decoder
+/// takes others.
+bool is_sound_png(std::string_view bytes);
+
 }  // namespace raybundle::apps

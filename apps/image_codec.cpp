@@ -188,6 +188,7 @@ cv::Mat decoded_grey(const std::string& bytes) {
     if (image.empty()) image = grey_of_png(bytes);
   }
   if (!image.empty()) return image;
+  if (is_png(bytes) && !is_sound_png(bytes)) return {};  // of which OpenCV's libpng would tell the user, in its words
   if (is_dicom(bytes)) throw Error(ErrorKind::kIo, "an image in DICOM, which is not read: convert it to PNG");
   try {
     return media().decode_grey(bytes);

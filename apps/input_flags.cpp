@@ -137,9 +137,6 @@ void add_input_flags(CLI::App& verb, InputFlags& flags) {
   verb.add_option("--camera", flags.cameras, "a camera and its images, as left='left*.jpg'; repeat for each")
       ->type_name("NAME=IMAGES")
       ->allow_extra_args(false);
-  verb.add_option("--model", flags.models, "camera model of all cameras, or NAME=MODEL of one")
-      ->type_name("MODEL")
-      ->allow_extra_args(false);
   verb.add_option("--observations", flags.observations, "corners found before: observations.json, .csv or .vnl")
       ->type_name("FILE");
   verb.add_option("--image-size", flags.sizes, "of a camera whose corners stand in a .csv or .vnl, as left=1280x960")
@@ -149,9 +146,15 @@ void add_input_flags(CLI::App& verb, InputFlags& flags) {
       ->check(CLI::Range(1, kMostThreads))
       ->default_str(fmt::format("{}", CalibrateOptions{}.threads))
       ->type_name("INT");
+  verb.add_flag("!--no-cache", flags.use_cache, "detect again even when the images have been seen before");
+}
+
+void add_model_flags(CLI::App& verb, InputFlags& flags) {
+  verb.add_option("--model", flags.models, "camera model of all cameras, or NAME=MODEL of one")
+      ->type_name("MODEL")
+      ->allow_extra_args(false);
   verb.add_option("--anchor", flags.anchor, "one laser dot whose beam is known, as left/12:320.5,240=5,5")
       ->type_name("CAMERA/FRAME:U,V=ROW,COLUMN");
-  verb.add_flag("!--no-cache", flags.use_cache, "detect again even when the images have been seen before");
 }
 
 DetectOptions detect_options(const InputFlags& flags, const Dataset& dataset) {
@@ -193,7 +196,7 @@ Dataset dataset_of(const InputFlags& flags, bool need_models) {
     if (dataset.laser) {
       refuse(
           "the file of --observations says what is known of the laser, and so does [laser] of the dataset; leave one "
-          "out, or give --anchor");
+          "of them out");
     }
     if (!is_json(flags.observations) && dataset.boards.empty()) {
       refuse("corners without a board: give --target, as in --target chessboard:9x6:25mm");

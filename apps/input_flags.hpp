@@ -25,8 +25,11 @@ struct InputFlags {
   std::string anchor;  ///< CAMERA/FRAME:U,V=ROW,COLUMN
 };
 
-/// Declares the flags on a verb.
+/// Declares the flags on a verb, but for those of add_model_flags().
 void add_input_flags(CLI::App& verb, InputFlags& flags);
+
+/// Declares --model and --anchor: for verbs to which no calibration says what lenses and beams there are.
+void add_model_flags(CLI::App& verb, InputFlags& flags);
 
 /// How to look at the images, the flags having been merged into the data set.
 DetectOptions detect_options(const InputFlags& flags, const Dataset& dataset);

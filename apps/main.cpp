@@ -17,6 +17,7 @@
 #include <new>
 #include <system_error>
 
+#include "exit_code.hpp"
 #include "number_flags.hpp"
 #include "raybundle/geometry/error.hpp"
 #include "terminal.hpp"
@@ -25,26 +26,11 @@
 
 namespace {
 
-using raybundle::ErrorKind;
+using enum raybundle::apps::ExitCode;
 using raybundle::apps::say_error;
 
 constexpr const char* kNoMemory =
     "there is not enough memory; use fewer threads (--threads 1), fewer or smaller images, or another machine";
-constexpr int kDone = 0, kGateFailed = 1, kWrongUsage = 2, kNotEnoughData = 3, kSolveFailed = 4, kIo = 5;
-
-int exit_code(ErrorKind kind) {
-  switch (kind) {
-    case ErrorKind::kBadInput:
-      return kWrongUsage;
-    case ErrorKind::kNotEnoughData:
-      return kNotEnoughData;
-    case ErrorKind::kSolveFailed:
-      return kSolveFailed;
-    case ErrorKind::kIo:
-      return kIo;
-  }
-  return kSolveFailed;
-}
 
 std::string output_failure(const char* why) { return fmt::format("standard output cannot be written: {}", why); }
 
@@ -59,14 +45,14 @@ int unless_output_failed(int good) {
 
 // The exit code of the exception that is being handled, after one line on stderr.
 int said_exit_code(const CLI::App& app) try { throw; } catch (const CLI::ParseError& error) {
-  if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
+  if (error.get_exit_code() == 0) return unless_output_failed(app.exit(error));  // --help and --version
   say_error(raybundle::apps::usage_message(app, error));
   return kWrongUsage;
 } catch (const raybundle::apps::GateFailed&) {
   return unless_output_failed(kGateFailed);
 } catch (const raybundle::Error& error) {
   say_error(error.what());
-  return exit_code(error.kind());
+  return raybundle::apps::exit_code(error.kind());
 } catch (const std::bad_alloc&) {
   say_error(kNoMemory);
   return kIo;

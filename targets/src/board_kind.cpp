@@ -65,10 +65,10 @@ BoardKind aprilgrid() {
            field(&AprilGrid::rows, "rows", kCount, kRequired, "tags in a column"),
            field(&AprilGrid::tag_m, "tag_m", kLength, kRequired, "side of a tag, outer edge of its black border [m]"),
            field(&AprilGrid::spacing, "spacing", kRatio, kRequired, "gap between tags over the tag's side"),
-           field(&AprilGrid::family, "family", kChoice, kOptional, "tag family", tag_family_names()),
+           field(&AprilGrid::family, "family", kChoice, kOptional, "tag family, 36h11 unless said", tag_family_names()),
            field(&AprilGrid::border_bits, "border_bits", kBits, kOptional,
-                 "width of the black border: 2 as Kalibr's, 1 as AprilTag's own"),
-           field(&AprilGrid::first_tag, "first_tag", kNumber, kOptional, "the lowest code"),
+                 "width of the black border: 2 as Kalibr's, which holds unless said, or 1 as AprilTag's own"),
+           field(&AprilGrid::first_tag, "first_tag", kNumber, kOptional, "the lowest code, 0 unless said"),
            field(&AprilGrid::top_down, "top_down", kFlag, kOptional,
                  "codes count from the top left, as OpenCV's GridBoard, not from the bottom left")}};
 }

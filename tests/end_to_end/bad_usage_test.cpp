@@ -52,6 +52,15 @@ TEST(BadUsage, FlagsOfTheOtherKindOfDrawingAreRefused) {
   says({folder + "/b.pdf", "--dpi", "100"}, "--dpi is for .png");
 }
 
+// The calibration says what lenses and beams there are.
+TEST(BadUsage, ValidateTakesNoFlagsOfWhatItDoesNotAsk) {
+  for (const char* flag : {"--model", "--anchor"}) {
+    const ProgramRun run = raybundle_program({"validate", "a.json", flag, "pinhole"});
+    EXPECT_EQ(run.exit_code, 2) << flag;
+    EXPECT_THAT(run.err, HasSubstr(std::string("raybundle validate has no flag '") + flag + "'"));
+  }
+}
+
 // NaN is within every range that is asked for by comparing.
 TEST(NumberFlags, NoneTakesWhatIsNoNumber) {
   const std::vector<std::string> verbs[] = {{"compare", "a.json", "b.json", "--max-px"},

@@ -6,12 +6,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <iterator>
-
 #include "detect_dots.hpp"
 #include "raybundle/geometry/error.hpp"
+#include "raybundle/targets/board_kind.hpp"
 #include "terminal.hpp"
+#include "text_file.hpp"
 
 namespace raybundle::apps {
 namespace {
@@ -35,10 +34,7 @@ TEST(DatasetToml, ABoardsNameIsTextOrLeftOut) {
   }
 }
 
-std::string documentation() {
-  std::ifstream file(RAYBUNDLE_SOURCE_DIR "/docs/formats/dataset.md");
-  return {std::istreambuf_iterator<char>(file), {}};
-}
+std::string documentation() { return text_of(RAYBUNDLE_SOURCE_DIR "/docs/formats/dataset.md"); }
 
 // docs/formats/dataset.md names all options of [calibrate], with their defaults.
 TEST(DatasetDocs, NameEveryOptionOfCalibrate) {
@@ -47,6 +43,22 @@ TEST(DatasetDocs, NameEveryOptionOfCalibrate) {
   CalibrateOptions::for_each_option(options, [&](const char* name, const char*, const char*, const auto& value) {
     EXPECT_THAT(docs, HasSubstr(fmt::format("\n{} = {}", name, value)));
   });
+}
+
+// Who writes a [target] finds each field there is, in the words that the program has for it.
+TEST(DatasetDocs, NameEveryFieldOfEveryBoard) {
+  const std::string docs = documentation();
+  std::size_t rows = 0, fields = 0;
+  for (const BoardKind& kind : board_kinds()) {
+    const std::string begin = fmt::format("\n| `{}` | `", kind.name);
+    for (std::size_t at = docs.find(begin); at != docs.npos; at = docs.find(begin, at + 1)) ++rows;
+    for (const BoardField& field : kind.fields) {
+      ++fields;
+      EXPECT_THAT(docs, HasSubstr(fmt::format("{}{}`{} | {} |", begin, field.name, field.required ? "" : ", optional",
+                                              field.help)));
+    }
+  }
+  EXPECT_EQ(rows, fields) << "a field that is no more";
 }
 
 TEST(DatasetDocs, ShowAnExampleThatIsAccepted) {

@@ -5,6 +5,8 @@
 #include "detect_images.hpp"
 #include "program.hpp"
 #include "raybundle/geometry/error.hpp"
+#include "synthetic_world.hpp"
+#include "tables.hpp"
 
 namespace raybundle::testing {
 namespace {
@@ -121,6 +123,16 @@ TEST(Detects, AndAsksForAModelOnlyWhereTheFileHoldsNone) {
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("raybundle calibrate --observations"));
   EXPECT_THAT(run.out, ::testing::Not(HasSubstr("--model MODEL")));
+}
+
+TEST(Detects, AndPrintsWhatItWritesForOtherPrograms) {
+  const std::filesystem::path folder = fresh_folder();
+  write_text(folder / "corners.csv", csv_of(synthetic_world({}).problem));
+  const ProgramRun run = raybundle_program({"detect", "--observations", (folder / "corners.csv").string(), "--target",
+                                            "chessboard:9x7:40mm", "--image-size", "camera0=1280x960", "--json", "-o",
+                                            (folder / "observations.json").string()});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(nlohmann::json::parse(run.out), json_of(folder / "observations.json"));
 }
 
 TEST(DetectsNothing, OfTheOtherCharucoLayoutAndNamesTheSetting) {

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <thread>
 
 #include "program.hpp"
@@ -48,6 +49,7 @@ ProgramRun limited(const std::vector<std::string>& arguments, const Limits& limi
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
+  const std::string cache = cache_of_this_build().string();
   std::array<int, 2> out{}, err{};
   if (::pipe(out.data()) != 0 || ::pipe(err.data()) != 0) return {};
   const pid_t child = ::fork();
@@ -57,6 +59,7 @@ ProgramRun limited(const std::vector<std::string>& arguments, const Limits& limi
     ::dup2(device, STDOUT_FILENO);
     ::dup2(err[1], STDERR_FILENO);
     for (const int each : {out[0], out[1], err[0], err[1]}) ::close(each);
+    ::setenv("XDG_CACHE_HOME", cache.c_str(), 1);
     ::setrlimit(RLIMIT_FSIZE, &file);
     ::setrlimit(RLIMIT_AS, &memory);
     ::execv(pointers.front(), pointers.data());
@@ -143,9 +146,12 @@ TEST_F(Fault, AFailedRunLeavesNoFolder) {
 // What a full disk does to `raybundle ... > file`.
 TEST_F(Fault, StandardOutputThatCannotBeWritten) {
   if (!fs::is_character_file("/dev/full")) GTEST_SKIP() << "there is no /dev/full to write to";
+  std::vector<std::vector<std::string>> commands{{"--help"}, {"--version"}, {"calibrate", "--help"}};
   for (const char* flag : {"--json", "--no-cache"}) {
-    std::vector<std::string> arguments = calibration("new");
-    arguments.push_back(flag);
+    commands.push_back(calibration("new"));
+    commands.back().push_back(flag);
+  }
+  for (const std::vector<std::string>& arguments : commands) {
     const ProgramRun run = limited(arguments, {.standard_output = "/dev/full"});
     EXPECT_EQ(run.exit_code, 5) << run.err;
     EXPECT_THAT(run.err, HasSubstr("standard output cannot be written"));

@@ -6,8 +6,6 @@
 
 #include <array>
 #include <cstdint>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -25,12 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string bytes_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-std::string text_of(const std::vector<unsigned char>& bytes) { return {bytes.begin(), bytes.end()}; }
+std::string text_from(const std::vector<unsigned char>& bytes) { return {bytes.begin(), bytes.end()}; }
 
 cv::Mat by_opencv(const std::string& bytes) {
   return cv::imdecode(std::vector<char>(bytes.begin(), bytes.end()), cv::IMREAD_UNCHANGED);
@@ -64,7 +57,7 @@ TEST(ImageCodec, ReadsWhatOpencvReads) {
       if (image->depth() == CV_16U && ending != ".png" && ending != ".tif") continue;
       std::vector<unsigned char> bytes;
       ASSERT_TRUE(cv::imencode(ending, *image, bytes, options));
-      expect_same(apps::decoded_grey(text_of(bytes)), apps::media().decode_grey(text_of(bytes)), ending);
+      expect_same(apps::decoded_grey(text_from(bytes)), apps::media().decode_grey(text_from(bytes)), ending);
     }
   }
 }
@@ -78,7 +71,7 @@ TEST(ImageCodec, ReadsRealImagesAsOpencvDoes) {
     for (const auto& entry : fs::recursive_directory_iterator(place)) {
       const std::string ending = entry.path().extension();
       if (ending != ".jpg" && ending != ".png") continue;
-      const std::string bytes = bytes_of(entry.path());
+      const std::string bytes = text_of(entry.path());
       expect_same(apps::decoded_grey(bytes), apps::media().decode_grey(bytes), entry.path());
       ++count;
     }
@@ -161,8 +154,8 @@ TEST(ImageCodec, ReadsWhatIsDamagedOrRareAsOpencvDoes) {
   cv::imencode(".png", picture(CV_8U, 255.0), png);
   cv::imencode(".jpg", picture(CV_8U, 255.0), jpeg);
   cv::imencode(".png", picture(CV_8U, 255.0), one_bit, {cv::IMWRITE_PNG_BILEVEL, 1});
-  std::vector<std::string> files{text_of(one_bit)};
-  for (const std::string& whole : {text_of(png), text_of(jpeg)}) {
+  std::vector<std::string> files{text_from(one_bit)};
+  for (const std::string& whole : {text_from(png), text_from(jpeg)}) {
     files.push_back(whole.substr(0, whole.size() / 2));
     for (std::size_t at = 20; at < whole.size(); at += whole.size() / 20) {
       files.push_back(whole);
@@ -182,6 +175,19 @@ TEST(ImageCodec, ReadsWhatIsDamagedOrRareAsOpencvDoes) {
     } else {
       expect_same(apps::decoded_grey(files[i]), expected, std::to_string(i));
     }
+  }
+}
+
+// What is wrong with an image is said in one sentence of ours, which names the file.
+TEST(ImageCodec, LetsNoLibrarySpeakOfADamagedPng) {
+  for (const int type : {CV_8U, CV_8UC3}) {
+    std::vector<unsigned char> png;
+    cv::imencode(".png", picture(type, 255.0), png);
+    std::string damaged = text_from(png);
+    damaged[damaged.size() / 2] = static_cast<char>(damaged[damaged.size() / 2] ^ 0x10);
+    ::testing::internal::CaptureStderr();
+    EXPECT_TRUE(apps::decoded_grey(damaged).empty());
+    EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
   }
 }
 

@@ -7,8 +7,6 @@
 #include <unistd.h>
 
 #include <cstdlib>
-#include <fstream>
-#include <sstream>
 
 namespace raybundle::testing {
 namespace {
@@ -21,7 +19,8 @@ std::string quoted(const std::string& text) {
   return result + "'";
 }
 
-// Shared by the tests of one build: images are looked at once. A rebuilt program starts anew.
+}  // namespace
+
 fs::path cache_of_this_build() {
   const auto built = fs::last_write_time(RAYBUNDLE_PROGRAM).time_since_epoch().count();
   const fs::path all = fs::path(RAYBUNDLE_BINARY_DIR) / "end_to_end_cache";
@@ -34,14 +33,13 @@ fs::path cache_of_this_build() {
   return mine;
 }
 
-}  // namespace
-
-ProgramRun raybundle_program(const std::vector<std::string>& arguments, const std::string& input) {
+ProgramRun raybundle_program(const std::vector<std::string>& arguments, const std::string& input,
+                             const fs::path& cache) {
   static int count = 0;
   const fs::path base = fs::temp_directory_path() / fmt::format("raybundle_run_{}_{}", getpid(), count++);
   const std::string in = base.string() + ".in", out = base.string() + ".out", err = base.string() + ".err";
   write_text(in, input);
-  std::string command = "XDG_CACHE_HOME=" + quoted(cache_of_this_build().string()) + " " + quoted(RAYBUNDLE_PROGRAM);
+  std::string command = "XDG_CACHE_HOME=" + quoted(cache.string()) + " " + quoted(RAYBUNDLE_PROGRAM);
   for (const std::string& argument : arguments) command += " " + quoted(argument);
   command += " <" + quoted(in) + " >" + quoted(out) + " 2>" + quoted(err);
   const int status = std::system(command.c_str());
@@ -49,14 +47,6 @@ ProgramRun raybundle_program(const std::vector<std::string>& arguments, const st
   for (const std::string& file : {in, out, err}) fs::remove(file);
   return run;
 }
-
-std::string text_of(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
-
-void write_text(const fs::path& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
 
 nlohmann::json json_of(const fs::path& file) { return nlohmann::json::parse(text_of(file)); }
 

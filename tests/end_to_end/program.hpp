@@ -13,6 +13,7 @@
 #include "fresh_folder.hpp"
 #include "raybundle/geometry/rigid3.hpp"
 #include "real_data.hpp"
+#include "text_file.hpp"
 
 /// The program as a person runs it: its command line in, exit code, streams and files out.
 namespace raybundle::testing {
@@ -23,12 +24,14 @@ struct ProgramRun {
   std::string out, err;
 };
 
-/// Runs `raybundle <arguments>` with `input` on stdin. Its cache is one that only this build of the program has used,
-/// so that a test never sees what another version found.
-ProgramRun raybundle_program(const std::vector<std::string>& arguments, const std::string& input = "");
+/// The cache of the tests of one build: images are looked at once. A rebuilt program starts anew.
+std::filesystem::path cache_of_this_build();
 
-std::string text_of(const std::filesystem::path& file);
-void write_text(const std::filesystem::path& file, const std::string& text);
+/// Runs `raybundle <arguments>` with `input` on stdin. Unless said its cache is one that only this build of the program
+/// has used, so that a test never sees what another version found.
+ProgramRun raybundle_program(const std::vector<std::string>& arguments, const std::string& input = "",
+                             const std::filesystem::path& cache = cache_of_this_build());
+
 nlohmann::json json_of(const std::filesystem::path& file);
 
 /// The entry of a report's or calibration's cameras[].

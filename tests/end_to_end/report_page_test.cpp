@@ -38,9 +38,7 @@ struct Example {
 };
 
 Example example() {
-  SyntheticOptions options;
-  options.cameras.resize(2);
-  options.cameras[1].camera_from_rig.translation = {-0.1, 0, 0};
+  SyntheticOptions options = stereo_head();
   options.frames = 10;
   options.noise_px = 0.2;
   Example made;

@@ -18,9 +18,7 @@ using ::testing::Not;
 class Requires : public ::testing::Test {
  protected:
   void SetUp() override {
-    SyntheticOptions options;
-    options.cameras.resize(2);
-    options.cameras[1].camera_from_rig.translation = {-0.1, 0, 0};
+    SyntheticOptions options = stereo_head();
     options.noise_px = 0.1;
     write_text(place / "corners.json", text_from_observations({synthetic_world(options).problem, {}}));
   }

@@ -12,6 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto each = [&](auto&& read) { fuzz::only_errors(data, size, read); };
   each([](std::string_view text) { apps::rule_from_flag(ParameterRule::Kind::kFixed, std::string(text)); });
   each([](std::string_view text) { apps::rule_from_flag(ParameterRule::Kind::kPrior, std::string(text)); });
+  each([](std::string_view text) { apps::anchor_from_flag(std::string(text)); });
   each([](std::string_view text) { apps::camera_from_flag(std::string(text), "pinhole"); });
   each([](std::string_view text) { apps::model_from_name(std::string(text), "here"); });
   each([](std::string_view text) {
